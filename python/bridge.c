@@ -313,7 +313,7 @@ void sagitta_function_begin(sagitta_function *of, asker *ask, double ball, const
 
 /* --------------------------------------------------------------------- the calls */
 
-typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES } task;
+typedef enum task { INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES, SINGLE } task;
 
 typedef struct sagitta_call {
     int    task;
@@ -356,6 +356,9 @@ typedef struct sagitta_call {
     /* LEAVE */
     sgt_starts   starts;
     signed char *side;
+    /* SINGLE */
+    sgt_rays_f rays_f;
+    sgt_hits_f hits_f;
 } sagitta_call;
 
 static const double *plus(const double *x, size_t from) { return x ? x + from : NULL; }
@@ -383,6 +386,23 @@ static sgt_hits hits_at(const sgt_hits *all, size_t from)
                      .t_lo = offset(all->t_lo, from), .p_err = offset(all->p_err, from)};
     for (int k = 0; k < 3; k++) hits.p[k] = offset(all->p[k], from), hits.n[k] = offset(all->n[k], from);
     return hits;
+}
+
+static const float *plus_f(const float *x, size_t from) { return x ? x + from : NULL; }
+static float *offset_f(float *x, size_t from) { return x ? x + from : NULL; }
+
+static size_t single_part(const sagitta_call *c, size_t from, size_t n)
+{
+    const sgt_rays_f *in = &c->rays_f;
+    const sgt_hits_f *to = &c->hits_f;
+    sgt_rays_f rays = {.tmin = plus_f(in->tmin, from), .tmax = plus_f(in->tmax, from)};
+    sgt_hits_f hits = {.status = to->status ? to->status + from : NULL, .t = offset_f(to->t, from),
+                       .t_err = offset_f(to->t_err, from), .p_err = offset_f(to->p_err, from)};
+    for (int k = 0; k < 3; k++) {
+        rays.o[k] = plus_f(in->o[k], from), rays.d[k] = plus_f(in->d[k], from);
+        hits.p[k] = offset_f(to->p[k], from), hits.n[k] = offset_f(to->n[k], from);
+    }
+    return sgt_intersect_batch_f(c->surface, n, rays, hits, c->opt);
 }
 
 static sgt_starts starts_at(const sgt_starts *all, size_t from)
@@ -489,6 +509,7 @@ static bool part(sagitta_call *c, size_t from, size_t n)
                                   c->side ? c->side + from : NULL, c->opt);
         break;
     case VALUES: values_at(c, from, n); break;
+    case SINGLE: c->met += single_part(c, from, n); break;
     case CHECK: c->fault = (int)sgt_check(c->surface, n, c->ray + from, c->where); break;
     }
     free(work);

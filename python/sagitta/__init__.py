@@ -27,7 +27,7 @@ from .sums import Spot, SpotSums, Wavefront, WavefrontSums
 from ._calls import Options
 from .results import Aimed, Crossing, Crossings, End, Fate, Hit, Hits, Passage, Passed, Status, Traced
 from .study import Answer, Fates
-from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
+from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, SingleHits, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
 from .tolerance import Interval, Tolerance, Tolerancing, Trials, quantile, share
 
@@ -73,6 +73,7 @@ __all__ = [
     "Sag",
     "Seidel",
     "Sensitivity",
+    "SingleHits",
     "Spot",
     "SpotSums",
     "Status",

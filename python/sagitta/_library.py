@@ -48,6 +48,10 @@ class Rays(Structure):
     _fields_ = [("o", Addresses), ("d", Addresses), ("tmin", Doubles), ("tmax", Doubles)]
 
 
+class RaysF(Structure):
+    _fields_ = [("o", Addresses), ("d", Addresses), ("tmin", c_void_p), ("tmax", c_void_p)]
+
+
 class Starts(Structure):
     _fields_ = [
         ("p", Addresses),
@@ -90,6 +94,18 @@ class Hits(Structure):
         ("p", Addresses),
         ("n", Addresses),
         ("p_err", Doubles),
+        ("reserved_", Words * 2),
+    ]
+
+
+class HitsF(Structure):
+    _fields_ = [
+        ("status", c_void_p),
+        ("t", c_void_p),
+        ("t_err", c_void_p),
+        ("p", Addresses),
+        ("n", Addresses),
+        ("p_err", c_void_p),
         ("reserved_", Words * 2),
     ]
 
@@ -780,7 +796,7 @@ class FormulaSag(Structure):
     _fields_ = [("tape", c_void_p), ("semi_diameter", c_double)]
 
 
-INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES = range(8)
+INTERSECT, ALL, TRACE, GRADIENT, AIM, CHECK, LEAVE, VALUES, SINGLE = range(9)
 
 
 class Call(Structure):
@@ -822,6 +838,8 @@ class Call(Structure):
         ("fault", c_int),
         ("starts", Starts),
         ("side", c_void_p),
+        ("rays_f", RaysF),
+        ("hits_f", HitsF),
     ]
 
 

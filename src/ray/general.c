@@ -185,16 +185,19 @@ static bool quickly(walk *w, const approach *a, bool single)
 static bool first_of_several(walk *w)
 {
     const sgt_ray *ray = w->ray;
-    sgt_span span = w->s.ops->first(w->s.self, ray);
+    const sgt_surface_ops *ops = w->s.ops;
+    const bool told_steep = is_catalogue(ops) && ops->own_->first;
+    double steep = 0;
+    sgt_span span = told_steep ? ops->own_->first(w->s.self, ray, &steep) : ops->first(w->s.self, ray);
     if (!span.single) return false;
     approach a = approach_by(ray, &span, w->s.ops->enclose || w->s.ops->clearance, false);
     if (a.passes) return true;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
-    w->margin = END_ERRORS;
+    w->margin = END_ERRORS, w->steep = steep;
     bool told = a.known && quickly(w, &a, true);
-    w->margin = 0;
+    w->margin = 0, w->steep = 0;
     return told;
 }
 

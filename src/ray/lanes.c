@@ -50,7 +50,7 @@ typedef struct lanes {
     row tau, last, first, evals;
     row f, fx, fy, fz, g_err;        /* F at tau, the gradient, a bound on F's error */
     union { row at, left; };         /* march: the point before and F there; root: the points beside it */
-    union { row g, right; };
+    union { row g, right, whole; };  /* whole: a bound on all of F's error */
     union { row slope, beside; };
     union { row sign, tau_err; };
     union { row dt, seed; };
@@ -58,7 +58,8 @@ typedef struct lanes {
     union { row defined, most2; };   /* march: was F defined? (No built-in sag is marched along.) */
     row px, py, pz;                  /* the point asked for */
     row slot, state, least;          /* least: a lower bound on |g'| along the span; 0 if not known */
-    row noise0, noise1;              /* of a sag without a rim, like most2: vicinity.h */
+    union { row noise0, steep; };    /* of a body, as `firsts` has it */
+    row noise1;                      /* with noise0 and most2, of a sag without a rim: vicinity.h */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
     /* 0, for around_of.  It is kept here because gcc cannot know it after a call. */
     double none;
@@ -76,13 +77,14 @@ typedef struct lanes_job {
     double margin;      /* margin of acceptance_of, as for the single ray */
     double walks_from;  /* a stretch that begins behind it can be marched; infinite: none */
     bool slopes;        /* the spans come with bounds on the slope */
+    bool steep;         /* `firsts` does */
     bool moved;         /* some lane is not at its place */
     sgt_shared shared;  /* what the surface shares, if it has `share` */
     vicinities *kept;   /* what is known of parts of it, */
     slopes_known *within; /* and near the seed */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding differs from lane to lane */
-    bool rounded;       /* g_err of every lane that Newton's steps were tried on has all of the rounding */
+    bool rounded;       /* `whole` is set in every lane that Newton's steps were tried on */
     lanes *a;
     /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
      * have to wait for those stores. */
@@ -170,13 +172,13 @@ static double around_close(const lanes *a, size_t n, const double *tau, const sg
 }
 
 /* F and its gradient at the points, and the surface's own rounding, which is set as add_noise leaves it.
- * false: none of them is. */
+ * false: none of them is.  (Without a bound on the slope it is asked for only where a lane is close.) */
 static bool ask_rounded(lanes_job *w, size_t n, const sgt_values *out, double *own)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
     const double *const rows[3] = {a->noise0, a->noise1, a->most2};
-    return is_catalogue(ops) && ops->own_->values_rounded &&
+    return (w->slopes || w->steep) && ops->own_->values_rounded &&
            ops->own_->values_rounded(w->s.self, w->rows ? &w->bare : &w->shared, w->rows ? rows : NULL, n,
                                      w->points, *out, own);
 }
@@ -413,7 +415,9 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
     for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
         rays.tmin = a->tmin, rays.tmax = a->tmax;
-        if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+        const sgt_spans to = {a->lo, a->hi, a->seed, single};
+        if (w->steep) ops->own_->firsts(w->s.self, n, rays, to, a->steep);
+        else if (ops->firsts) ops->firsts(w->s.self, n, rays, to);
         for (size_t i = 0; i < n && !ops->firsts; i++) {
             sgt_ray ray = ray_of(&rays, i);
             sgt_span span = ops->first(w->s.self, &ray);
@@ -670,21 +674,21 @@ static void newton_begin(lanes *a, size_t n)
 }
 
 /* What is known of F's error before a step: nothing; what `bound` has set, the slope in qx and g_err; the
- * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well. */
+ * surface's own rounding, as ask_rounded has set it, and each a bound: then this is `bound` as well, and
+ * `whole` is set to all of F's error, which g_err has only of a lane that is close. */
 typedef enum step_known { PLACE_ALONE, BOUND_SET, OWN_SET } step_known;
 
 /* Makes the step, and the points it leads to.  Returns how many go on.  A lane that is done writes values
- * that change nothing.  Leaving its rows as they are would be a branch.  *bare: how many lanes are done
- * without the surface's own rounding. */
+ * that change nothing.  Leaving its rows as they are would be a branch. */
 SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, step_known known, double none,
-                               const double *restrict own, double *bare)
+                               const double *restrict own)
 {
-    double more = 0, without = 0, again = last_one ? FAILED : NEWTON;
+    double more = 0, again = last_one ? FAILED : NEWTON;
     size_t count = known == OWN_SET ? n : filled(n);
-#pragma omp simd reduction(+ : more, without)
+#pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < count; i++) {
         local q = LOCAL_OF(a, i);
-        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err, is = 0;
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
         if (known == BOUND_SET) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
@@ -693,8 +697,9 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
             slope = at.slope, g_err = at.place;
         }
         if (known == OWN_SET) {
-            is = close_of(f, slope, g_err, last, f_tol) ? 1.0 : 0.0;
-            g_err += is != 0 ? own[i] : 0;
+            double whole = g_err + own[i];
+            a->whole[i] = whole;
+            g_err = close_of(f, slope, g_err, last, f_tol) ? whole : g_err;
         }
         searched in = {a->lo[i], a->hi[i], a->least[i]};
         newton s = newton_of(f, slope, g_err, tau, last, in, a->t_tol[i], f_tol);
@@ -705,7 +710,6 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
                goes = state == NEWTON ? 1.0 : 0.0;
         tau -= step;
         more += goes;
-        if (known == OWN_SET) without += larger(1 - goes - is, 0);
         a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
         a->tau[i] = tau;
         a->px[i] = q.x + tau * q.l, a->py[i] = q.y + tau * q.m, a->pz[i] = q.z + tau * q.n;
@@ -713,27 +717,24 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
         if (known != BOUND_SET) a->g_err[i] = g_err;
         a->state[i] = state;
     }
-    *bare = without;
     return more;
 }
 
 SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
 {
-    double unused;
-    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL, &unused);
+    return newton_steps(a, n, last_one, f_tol, PLACE_ALONE, none, NULL);
 }
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 {
-    double unused;
-    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL, &unused);
+    return newton_steps(a, n, last_one, f_tol, BOUND_SET, 0, NULL);
 }
 SGT_KERNEL
 static double newton_step_rounded(lanes *a, size_t n, bool last_one, double f_tol, double none,
-                                  const double *restrict own, double *bare)
+                                  const double *restrict own)
 {
-    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own, bare);
+    return newton_steps(a, n, last_one, f_tol, OWN_SET, none, own);
 }
 
 static void solve(lanes_job *w, size_t n)
@@ -743,13 +744,12 @@ static void solve(lanes_job *w, size_t n)
     points(a, n, a->tau);
     w->rounded = true;
     for (int i = 1; n > 0; i++) {
-        double more, bare;
+        double more;
         bool known = ask_rounded(w, n, &w->f, own);
         if (!known) values_of(w->s, n, w->points, w->f);
         if (i == 1) newton_begin(a, n);
         if (known && known_all(n, own) == (double)n) {
-            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own, &bare);
-            w->rounded &= bare == 0;
+            more = newton_step_rounded(a, n, i == QUICK_STEPS, f_tol, a->none, own);
         } else if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last, known ? own : NULL);
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
@@ -825,7 +825,8 @@ static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
         double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
         double tau_err = 2 * (g + a->g_err[i]) / fabs(slope),
                flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
-        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
+        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i],
+                            (searched){a->lo[i], a->hi[i], a->least[i]});
         a->tau_err[i] = tau_err;
         a->last[i] = slope;
         double phase = a->state[i], state = g <= f_tol ? flat : (double)READY;
@@ -879,12 +880,12 @@ static double probe_end(lanes *a, size_t n, double doubtful)
 /* Certifies the lanes whose slope along the span has a bound.  off: a bound on F's error.  Returns how
  * many still have to be asked beside the root. */
 SGT_KERNEL
-static double lanes_certify(lanes *a, size_t n, const double *off)
+static double lanes_certify(lanes *a, size_t n, const double *off, const double *least)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        certified c = certified_of(a->tau[i], a->f[i], off[i], (searched){a->lo[i], a->hi[i], a->least[i]});
+        certified c = certified_of(a->tau[i], a->f[i], off[i], (searched){a->lo[i], a->hi[i], least[i]});
         double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
         double state = phase == READY ? root : phase;
         a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
@@ -895,15 +896,15 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
 }
 
 /* lanes_probe_begin and lanes_certify in one: sets tau_err of each lane, and returns how many are certified.
- * Their states are left.  g_err has all of the rounding, and there is no f_tol. */
+ * Their states are left.  `whole` is set, and there is no f_tol. */
 SGT_KERNEL
-static double certify_ready(lanes *a, size_t n)
+static double certify_ready(lanes *a, size_t n, const double *least)
 {
     double done = 0;
 #pragma omp simd reduction(+ : done)
     for (size_t i = 0; i < n; i++) {
-        searched in = {a->lo[i], a->hi[i], a->least[i]};
-        certified c = certified_of(a->tau[i], a->f[i], a->g_err[i], in);
+        searched in = {a->lo[i], a->hi[i], least[i]};
+        certified c = certified_of(a->tau[i], a->f[i], a->whole[i], in);
         a->tau_err[i] = c.tau_err;
         double is = c.inside ? 1.0 : 0.0;
         is = a->state[i] == READY ? is : 0;
@@ -923,7 +924,9 @@ static void set_states(lanes *a, size_t n, double state)
 static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
-    if (w->slopes && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n) == (double)n) {
+    const bool bounded = w->slopes || w->steep;
+    const double *least = w->steep ? a->steep : a->least;
+    if (bounded && w->rounded && !(w->opt->f_tol > 0) && certify_ready(a, n, least) == (double)n) {
         set_states(a, n, ROOT);
         return;
     }
@@ -931,12 +934,13 @@ static void probe(lanes_job *w, size_t n)
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
     }
-    if (w->slopes && n) {
+    if (bounded && n) {
         /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding.  With
          * one the last step may be above the rounding. */
         bool again = !w->rounded && above_zero(n, a->t_tol) > 0;
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL, NULL);
-        n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+        const double *off = w->rounded ? a->whole : again ? a->end : a->g_err;
+        n = lanes_certify(a, n, off, least) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
@@ -1143,6 +1147,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                    .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
                    .slopes = is_catalogue(ops) && ops->own_->spans,
+                   .steep = is_catalogue(ops) && ops->own_->firsts && opt->pick != SGT_NEAR_SEED,
                    .walks_from = ops->first || ops->enclose || ops->clearance ||
                                          (opt->dt_min > 0 && ops->estimate)
                                      ? HUGE_VAL

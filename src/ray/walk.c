@@ -87,8 +87,8 @@ bool sgt_walk_quick(walk *w, sgt_interval in, double tau, double last, double fi
 {
     WENT(WAY_QUICK);
     point *at = &found->at;
-    sgt_root r = root_quickly((searched){in.lo, in.hi, w->least}, tau, last, first, w->t_tol,
-                              w->told.opt->f_tol);
+    const searched stretch = {in.lo, in.hi, larger(w->least, w->steep)};
+    sgt_root r = root_quickly(stretch, tau, last, first, w->t_tol, w->told.opt->f_tol);
     do {
         glance(w, at, r.t, r.move, in.lo, in.hi, r.private_.step);
         if (w->told.stopped) return false;

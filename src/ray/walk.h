@@ -38,6 +38,7 @@ typedef struct walk {
     acceptance hidden;
     /* A lower bound on |g'| all along the stretch, which has at most one root; 0: not known. */
     double least;
+    double steep;   /* of a body: the same where `first` has told it, of no other use; else 0 */
     double rim2;    /* r^2 at the surface's rim; infinite without one */
     double margin;  /* margin of acceptance_of: END_ERRORS if this way finds one root only */
     sgt_shared shared; /* what the surface shares, if it has `share`; bare_of that, if nearby is set */

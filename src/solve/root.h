@@ -114,7 +114,7 @@ SGT_INLINE bool root_quick_next(sgt_root *r, newton s, double g, double slope)
         }
     }
     p->candidate = r->t, p->g_last = g, p->step_before = slope;
-    p->width = width_of(g, slope, r->g_err, r->t, p->t_tol);
+    p->width = width_of(g, slope, r->g_err, r->t, p->t_tol, root_searched(r));
     return quick_probe(r, QUICK_LEFT);
 }
 

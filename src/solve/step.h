@@ -171,11 +171,14 @@ SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, do
     return s;
 }
 
-/* The distance from the root at which F is looked at.  Infinite or NaN if the slope says nothing. */
-SGT_INLINE double width_of(double g, double slope, double g_err, double tau, double t_tol)
+/* The distance from the root at which F is looked at.  Infinite or NaN if the slope says nothing.  A t_tol
+ * widens it as far as the stretch `in` has room: what is outside is not the same root's to tell. */
+SGT_INLINE double width_of(double g, double slope, double g_err, double tau, double t_tol, searched in)
 {
     double w = 2 * (fabs(g) + g_err) / fabs(slope), ulp = fabs(tau) * DBL_EPSILON;
-    w = t_tol > w ? t_tol : w;
+    double before = tau - in.lo, behind = in.hi - tau, room = 0.75 * (before < behind ? before : behind),
+           most = t_tol < room ? t_tol : room;
+    w = most > w ? most : w;
     ulp = ulp > DBL_TRUE_MIN ? ulp : DBL_TRUE_MIN;
     return ulp > w ? ulp : w;
 }

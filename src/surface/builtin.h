@@ -260,6 +260,11 @@ struct sgt_builtin_ops {
     sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
     void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
                   double least[]);
+    /* As `first` and `firsts` of sgt_surface_ops, which are offered too, with one more output: steep[i] is a
+     * lower bound of |dF/dtau| in [lo, hi], or 0 if none is known.  A root in there needs no evaluation on
+     * either side of it. */
+    sgt_span (*first)(const void *self, const sgt_ray *ray, double *steep);
+    void (*firsts)(const void *self, size_t n, sgt_rays rays, sgt_spans out, double steep[]);
     /* The seeds of `spans`, alone, and wherever they are: not only within their spans. */
     void (*seeds)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, double seed[]);
     /* As `enclose` of sgt_surface_ops, but t is counted from t0 on the ray: the parameter is exactly t0 +

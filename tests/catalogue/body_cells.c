@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/* body_cells.c - the enclosures in lanes of quadric, ellipsoid and torus, which no header shows: `encloses`
- * of sgt_builtin_ops, as each set of instructions has it. */
+/* body_cells.c - what quadric, ellipsoid and torus say and no header shows: `encloses` of sgt_builtin_ops, as
+ * each set of instructions has it, and `first`. */
 #include "../../src/surface/builtin.h"
 #include "body_cells.h"
 
@@ -42,13 +42,25 @@ int body_sets(void)
     return sets;
 }
 
+static const sgt_surface_ops *const *sets_of(sgt_surface s)
+{
+    return s.ops == &sgt_quadric_ops     ? quadrics
+           : s.ops == &sgt_ellipsoid_ops ? ellipsoids
+           : s.ops == &sgt_torus_ops     ? tori
+                                         : NULL;
+}
+
+int body_first(sgt_surface s, const sgt_ray *ray, sgt_span *span, double *steep)
+{
+    const sgt_surface_ops *const *sets = sets_of(s);
+    if (sets) *span = sets[0]->own_->first(s.self, ray, steep);
+    return sets != NULL;
+}
+
 int body_cells(sgt_surface s, int set, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
                sgt_enclosures out)
 {
-    const sgt_surface_ops *const *sets = s.ops == &sgt_quadric_ops     ? quadrics
-                                         : s.ops == &sgt_ellipsoid_ops ? ellipsoids
-                                         : s.ops == &sgt_torus_ops     ? tori
-                                                                       : NULL;
+    const sgt_surface_ops *const *sets = sets_of(s);
     if (sets) sets[set]->own_->encloses(s.self, n, rays, t_lo, t_hi, out);
     return sets != NULL;
 }

@@ -15,6 +15,9 @@ int body_sets(void);
 int body_cells(sgt_surface s, int set, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
                sgt_enclosures out);
 
+/* `first` of sgt_builtin_ops, by the first of the sets.  0: as above. */
+int body_first(sgt_surface s, const sgt_ray *ray, sgt_span *span, double *steep);
+
 #ifdef __cplusplus
 }
 #endif

@@ -13,6 +13,8 @@
 // the same points.  Their bits are those of a stretch by itself, among others that are no numbers, and in
 // each set of instructions.  How often they bound g', and how wide g is beside `enclose`, has limits.
 //
+// Where `first` of these bodies bounds the slope about a root, g' is asked at its ends and between them.
+//
 // And what sgt_grid_measure says of P, its gradient and its second derivative, at points of grids whose
 // heights are as unlike in the two directions as can be, in cells far longer one way than the other: a
 // bound of one direction alone has nothing to hide behind.
@@ -174,6 +176,36 @@ bool in_lanes(generator &g, const specimen &s, const sgt_ray &ray, sgt_interval 
     return true;
 }
 
+// The least |g'| over what `first` says of it where the root is, of a stretch with a bound; 0: none is given.
+double steepness(generator &g, const specimen &s, const sgt_ray &ray, bool *is_body)
+{
+    sgt_span span;
+    double steep = 0, nearest = HUGE_VAL;
+    *is_body = body_first(s.s, &ray, &span, &steep);
+    if (!*is_body || !(steep > 0)) return 0;
+    int exponent;
+    std::frexp(std::max(std::fabs(ray.d.x), std::max(std::fabs(ray.d.y), std::fabs(ray.d.z))), &exponent);
+    const quad length = std::ldexp(1.0, 1 - exponent); // tau counts lengths of d times this
+    const along on(s.s, ray);
+    const double lo = std::max(span.lo, ray.tmin), reach = std::fabs(span.seed - span.lo);
+    for (int i = 0; i < 12; i++) {
+        const double far = std::isfinite(span.hi) ? span.hi : span.seed + reach * g.log_uniform(1, 1e6),
+                     at = i == 0 ? lo : i == 1 ? far : i == 2 ? span.seed : lo + (far - lo) * g.uniform(0, 1);
+        if (!(at >= span.lo && at <= span.hi && std::isfinite(at))) continue;
+        quad f, slope;
+        on.at(at, &f, &slope);
+        slope = slope < 0 ? -slope : slope;
+        nearest = std::min(nearest, number_of(slope * length) / steep);
+        if (slope * length >= steep || failed[s.type + ": steep"]++ >= 1) continue;
+        std::printf("FAIL %s: |g'| %a at t %a of [%a, %a], not %a\n"
+                    "    ray {%a, %a, %a}, {%a, %a, %a} from %a\n",
+                    s.type.c_str(), number_of(slope * length), at, span.lo, span.hi, steep, ray.o.x, ray.o.y,
+                    ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmin);
+        print_surface(s.s);
+    }
+    return nearest;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -187,6 +219,8 @@ int main(int argc, char **argv)
         if (only && type != only) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40);
         long asked = 0, bounded = 0, points = 0, lanes_bounded = 0, lanes_wider = 0, lanes_asked = 0;
+        long first_asked = 0, steep_known = 0;
+        double least_steep = HUGE_VAL;
         double nearest[2] = {0, 0}; // |x - middle| over half the width, of stretches that are not narrow
         for (long i = 0; i < r.count; i++) {
             specimen s = {};
@@ -207,6 +241,10 @@ int main(int argc, char **argv)
                     g, of, g.chance(0.5) ? ordinary : static_cast<ray_kind>(g.below(int(ray_kinds))));
                 const double d = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
                              unit = s.h / d;
+                bool is_body;
+                const double steep = steepness(g, s, ray, &is_body);
+                first_asked += is_body, steep_known += steep > 0;
+                if (steep > 0) least_steep = std::min(least_steep, steep);
                 const sgt_hit h = sgt_intersect(s.s, ray, nullptr);
                 const double about = (h.status > 0 ? h.t : 0) + (g.chance(0.7) ? unit * g.uniform(-1, 1) : 0),
                              width = unit * (g.chance(0.1) ? 0 : g.log_uniform(1e-9, 4));
@@ -266,6 +304,9 @@ int main(int argc, char **argv)
         if (!lanes_asked) continue;
         std::printf("%-14s in lanes: %6ld with a bound on g', %6ld are wider\n", type.c_str(), lanes_bounded,
                     lanes_wider);
+        std::printf("%-14s first: of %ld rays %ld with a bound on the slope; the least is %.3f times it\n",
+                    type.c_str(), first_asked, steep_known, least_steep);
+        bad += steep_known < first_asked / 8;
         bad += lanes_bounded < lanes_asked / 3 || lanes_wider > lanes_bounded / 4;
     }
     if (!only || !std::strcmp(only, "grid")) {

@@ -336,6 +336,18 @@ static void leave_batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_leave_batch(of->surface, n, from, to, side, opt);
 }
 
+/* The rays rounded to floats. */
+static void batch_of_floats(const subject *of, size_t n, const sgt_options *opt)
+{
+    static float from[6][MANY], to[8][MANY];
+    for (size_t i = 0; i < n; i++)
+        for (int k = 0; k < 6; k++) from[k][i] = (float)in[k][i];
+    const sgt_rays_f asked = {.o = {from[0], from[1], from[2]}, .d = {from[3], from[4], from[5]}};
+    const sgt_hits_f told = {.status = status, .t = to[0], .t_err = to[1],
+                             .p = {to[2], to[3], to[4]}, .n = {to[5], to[6], to[7]}};
+    sgt_intersect_batch_f(of->surface, n, asked, told, opt);
+}
+
 static void batches_of_one(const subject *of, size_t n, const sgt_options *opt)
 {
     for (size_t i = 0; i < n; i++) {
@@ -526,12 +538,26 @@ int main(int argc, char **argv)
         draw(toward_lens);
         batch(of, MANY, &first);
         ask_case(surfaces[i].name, "a batch that leaves", leave_batch, of, MANY, first);
+        ask_case(surfaces[i].name, "a batch of floats", batch_of_floats, of, MANY, first);
     }
     for (size_t i = 0; i < COUNT_OF(surfaces); i++) {
         const subject *of = &surfaces[i].of;
         if (of->surface.ops != &sgt_odd_asphere_ops && of->surface.ops != &sgt_q_bfs_ops) continue;
         draw(from_nearby);
         ask_case(surfaces[i].name, "a batch from nearby", batch, of, MANY, first);
+    }
+    for (size_t i = 0; i < COUNT_OF(surfaces); i++) { /* what a tolerance ends has to end in the lanes */
+        static const double t_tol[] = {1e-3, 1e-6, 1e-12};
+        if (!surfaces[i].whole || !sgt_builtin_of(surfaces[i].of.surface)) continue;
+        draw(surfaces[i].ray);
+        for (size_t k = 0; k < COUNT_OF(t_tol); k++) {
+            const sgt_options loose = {.t_tol = t_tol[k]};
+            char how[64];
+            snprintf(how, sizeof how, "a batch with t_tol %g", t_tol[k]);
+            ask_case(surfaces[i].name, how, batch, &surfaces[i].of, MANY, loose);
+            snprintf(how, sizeof how, "one ray with t_tol %g", t_tol[k]);
+            if (k != 1) ask_case(surfaces[i].name, how, alone, &surfaces[i].of, ALONE, loose);
+        }
     }
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) { /* any other, by its specimen */
         bool named = false;
@@ -544,7 +570,6 @@ int main(int argc, char **argv)
         ask_case(b->type, "one ray proven", alone, &of, ALONE, proven);
         ask_case(b->type, "a batch proven", batch, &of, MANY, proven);
     }
-    /* cost.py sees that a tolerance costs nothing: what it ends has to end in the lanes. */
     const struct { const char *name; subject of; double t_tol[3]; } loose[] = {
         {"julia of 11 levels", {{&sgt_julia_ops, &julia_11}, NULL}, {1e-1, 1e-2, 1e-6}},
         {"julia of 16 levels", {{&sgt_julia_ops, &julia_16}, NULL}, {1e-1, 1e-3, 1e-6}},

@@ -8,8 +8,8 @@
     python3 tests/cost/cost.py BUILD --where CASE   prints the functions that the case spends most in
 
 BUILD is a folder of meson (ninja -C BUILD tests/cost/cost_cases).  Whoever makes a case dearer or cheaper by more
-than 2 % writes the table anew and says why in the commit message.  A case with a t_tol that is dearer than the one without
-is a fault whatever the table says; so is a batch of 1 that is dearer than the ray by itself and its arrays.
+than 2 % writes the table anew and says why in the commit message.  A case with a t_tol that is dearer than the one without,
+by more than 1 %, is a fault whatever the table says; so is a batch of 1 that is dearer than the ray by itself and its arrays.
 
 Counted is what runs between the call of `measured` and its return, of the library, the program and libm; not of libc
 and the dynamic linker, which differ from machine to machine.  An instruction of a vector counts as one.  The counts are
@@ -153,11 +153,12 @@ def compare(table, costs, show_all):
 
 
 def dearer_with_tolerance(costs):
-    """Prints the cases with a t_tol that cost more than without; their number."""
+    """Prints the cases with a t_tol that cost more than without, by more than 1 %; their number.  (Of a user's own
+    surface the rounding at the last step is asked for once more.)"""
     faults = 0
     for case, cost in costs.items():
         strict = costs.get(case.partition(' with t_tol')[0])
-        if strict is not None and cost > strict:
+        if strict is not None and cost > 1.01 * strict:
             print(f'{case}: {cost:.6g}, without {strict:.6g}')
             faults += 1
     return faults

@@ -31,7 +31,7 @@ SEED = int(os.environ.get('SAGITTA_TEST_SEED', '1'))
 print(f'seed {SEED}, {"with" if numpy else "without"} NumPy')
 TRIPLET, FTHETA = LENSES / 'cooke_triplet.yaml', LENSES / 'ftheta.yaml'
 SPHERE = '{type: sphere, radius: 3, semi_diameter: 2}'
-LETTERS = {'f8': 'd', 'i8': 'q', 'i4': 'i', 'i1': 'b'}
+LETTERS = {'f8': 'd', 'f4': 'f', 'i8': 'q', 'i4': 'i', 'i1': 'b'}
 NAMES = ('ox', 'oy', 'oz', 'dx', 'dy', 'dz')
 
 
@@ -244,6 +244,71 @@ def test_rays():
     run('diagnose', FTHETA, '--rays', sources[0], '--skip-bad', exit=None)
 
 
+def floats_of(several):
+    """The rays rounded to floats, as doubles."""
+    return [tuple(struct.unpack('<f', struct.pack('<f', x))[0] for x in r) for r in several]
+
+
+def test_arrays_of_floats():
+    """The rows of the doubles that the floats are: of a plain array, with fields, and in a folder."""
+    several = floats_of(some_rays(500, 'floats'))
+    wanted = run('trace', FTHETA, '--rays', array_of(several), '--format', 'csv', exit=None).stdout
+    folder = out('columns')
+    folder.mkdir()
+    for i, name in enumerate(NAMES):
+        array(folder / f'{name}.npy', [(r[i],) for r in several], "'<f4'", '<f')
+    fields = str([(n, '<f4') for n in NAMES])
+    for source in (array(out(), several, "'<f4'", '<6f', shape='(500, 6)'), folder, array(out(), several, fields, '<6f')):
+        equal(run('trace', FTHETA, '--rays', source, '--format', 'csv', exit=None).stdout, wanted, source)
+    bad = several[:3] + [(math.nan, *several[3][1:])] + several[4:]
+    done = run('trace', FTHETA, '--rays', array(out(), bad, fields, '<6f'), exit=BAD_INPUT)
+    assert 'row 3, counted from 0' in done.stderr and done.stdout == '', done.stderr
+    mixed = fields.replace("('dz', '<f4')", "('dz', '<f8')")
+    done = run('trace', FTHETA, '--rays', array(out(), several, mixed, '<5fd'), exit=BAD_INPUT)
+    assert "dz: of the type '<f8', but ox is '<f4'; the numbers must be of one type" in done.stderr, done.stderr
+
+
+def test_single():
+    """--single: the statuses of the doubles of the same rays, t within its bound of theirs, arrays of floats."""
+    several = floats_of(some_rays(3000, 'single'))
+    source = array(out(), several, "'<f4'", '<6f', shape='(3000, 6)')
+    for surface in (SPHERE, '{type: torus, major: 2, minor: 0.5}'):
+        of = ('intersect', '--surface', surface, '--rays', source)
+        double, single = (rows(*of, *more, exit=None) for more in ((), ('--single',)))
+        equal([r['status'] for r in double], [r['status'] for r in single])
+        apart = 0
+        for a, b in zip(double, single):
+            equal(b['evals'], '')
+            if a['status'] != 'hit':
+                equal([b[k] for k in ('x', 'nz')], [a[k] for k in ('x', 'nz')])
+                assert a['status'] != 'miss' or b['t'] == 'nan', b
+                continue
+            gap = abs(float(a['t']) - float(b['t']))
+            assert gap <= float(a['t_err']) + float(b['t_err']), (a, b)
+            equal(floats_of([(float(b[k]),) for k in ('t', 'x', 'y', 'z', 'nx')]), [(float(b[k]),) for k in ('t', 'x', 'y', 'z', 'nx')])
+            apart = max(apart, gap)
+        assert 1e-9 < apart < 1e-4, apart
+        text = run(*of, '--single', '--format', 'csv', exit=None).stdout
+        doubles = array_of(several)
+        for more in (('--threads', 3), ('--rays', doubles)):
+            equal(run(*of, '--single', '--format', 'csv', *more, exit=None).stdout, text, more)
+        to, shares = out('single.npy'), [out(f'share{k}') for k in (1, 2)]
+        run(*of, '--single', '--format', 'npy', '--output', to, exit=None)
+        fields, found = read(to)
+        equal(dict(fields)['t'], '<f4')
+        equal(dict(fields)['ray'], '<i8')
+        equal([r[3] for r in found if r[2] == 1], [float(r['t']) for r in single if r['status'] == 'hit'])
+        for k, share in enumerate(shares, 1):
+            run(*of, '--single', '--format', 'csv', '--shard', f'{k}/2', '--output', share)
+        equal(run('join', *shares, exit=None).stdout, text)
+    one = ('intersect', '--surface', SPHERE, '--single')
+    for more, words in ((('--ray', '0 0 -1e39 0 0 1'), 'oz: -1e+39 does not fit in single precision'),
+                        (('--ray', '0 0 -5 0 0 1e-50'), 'its direction is 0 in single precision')):
+        assert words in run(*one, *more, exit=BAD_INPUT).stderr
+    for more in (('--all',), ('--watch', out('w.csv'))):
+        assert 'not both' in run(*one, '--ray', '0 0 -5 0 0 1', *more, exit=USAGE).stderr
+
+
 def test_ends_and_numbers_as_ids():
     descr = str([(n, '<f8') for n in (*NAMES, 'tmin', 'tmax')] + [('id', '<i4')])
     path = array(out(), [(0, 0, -5, 0, 0, 1, 0, math.inf, -7), (0, 0, -5, 0, 0, 1, 6, 7, 12)], descr, '<8di')
@@ -257,7 +322,7 @@ def test_hostile_arrays():
     """Each is refused with the file's name, and before anything is printed."""
     several, plain, one = some_rays(50, 'hostile'), "'<f8'", str([(n, '<f8') for n in NAMES])
     good = array_of(several).read_bytes()
-    half = "'<f4'"
+    half = "'<f2'"
 
     def raw(data):
         path = out()
@@ -269,7 +334,7 @@ def test_hostile_arrays():
         (raw(good + b'!'), '1 bytes behind'), (raw(good[:6] + b'\x09' + good[7:]), 'version 9'),
         (array(out(), several, plain, '<6d', shape='(50, 6)', order='True'), 'C order'),
         (array(out(), several, "'>f8'", '>6d', shape='(50, 6)'), 'lower byte first'),
-        (array(out(), several, half, '<6f', shape='(50, 6)'), "'<f4'"),
+        (array(out(), several, half, '<6e', shape='(50, 6)'), "'<f2'"),
         (array(out(), several, plain, '<6d', shape='(60, 5)'), 'N x 6'),
         (array(out(), several, plain, '<6d', shape='(300,)'), 'N x 6'),
         (array(out(), [], plain, '<6d', shape='(0, 6)'), 'no rays'),
@@ -321,7 +386,7 @@ def test_numpy():
         for name in found[0].dtype.names:
             assert found[0][name].tobytes() == found[1][name].tobytes(), (count, name)
         for bad, words in ((numpy.asfortranarray(plain), 'C order'), (plain.astype('>f8'), 'lower byte first'),
-                           (plain.astype('<f4'), "'<f4'"), (plain[:, :5], 'N x 6'), (plain[:0], 'no rays')):
+                           (plain.astype('<f2'), "'<f2'"), (plain[:, :5], 'N x 6'), (plain[:0], 'no rays')):
             if count == 1 and words == 'C order':
                 continue                                   # NumPy calls one row both
             numpy.save(path := out(), bad)

@@ -191,6 +191,18 @@ def test_words_of_knobs():
     equal(said, row.endswith('changes nothing'), text)
 
 
+def test_no_trade_is_told():
+    """A torus has one best setting for the default's outputs and proof, and the text says so; a Julia set has
+    more."""
+    said = 'Here no accuracy can be traded for speed'
+    for surface, traded in (('{type: torus, major: 5, minor: 2}', False), ('{type: julia, c: [-0.2, 0.8, 0, 0]}', True)):
+        done = run('trade', '--surface', surface, '--seconds', '0.5', '--t-tol', '1e-6', '--dt-min', '0.3').stdout
+        others = [line.split() for line in done.splitlines() if re.match(r'(single|floats|(t_tol|dt_min|max_evals|pick)=)', line)]
+        best = [row[0] for row in others if row[8] == '1']
+        equal(said in done, not best, done)
+        assert traded or not best or best == ['t_tol=1e-6'], done
+
+
 # -------------------------------------------------------------------- proofs
 
 def test_proof():

@@ -103,6 +103,28 @@ static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size
     return true;
 }
 
+SGT_KERNEL
+static void shell_values_rounded(const shell *shared, size_t n, sgt_points p, sgt_values out, double *own)
+{
+    const shell s = *shared;
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
+    LANES for (size_t i = 0; i < n; i++) {
+        double nx, ny, nz, value = shell_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+        f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;
+        own[i] = shell_rounding(&s, x[i], y[i], z[i]);
+    }
+}
+
+static bool ellipsoid_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                     size_t n, sgt_points p, sgt_values out, double own[])
+{
+    shell s = shell_of(self);
+    (void)shared, (void)rows;
+    shell_values_rounded(&s, n, p, out, own);
+    return true;
+}
+
 static double ellipsoid_clearance(const void *self, sgt_vec3 p)
 {
     shell s = shell_of(self);
@@ -127,6 +149,8 @@ SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, dou
 }
 
 /* The parabola is that of 2 a F. */
+SGT_INLINE double ellipsoid_unit(const sgt_ellipsoid *s) { return 0.5 / s->a; }
+
 SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_vec3 d)
 {
     shell s = shell_of(self);
@@ -139,7 +163,8 @@ SGT_INLINE outset ellipsoid_outset(const sgt_ellipsoid *self, sgt_vec3 p, sgt_ve
                        .terms = fabs(x * p.x) + fabs(y * p.y) + fabs(z * p.z)};
 }
 
-QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms, ellipsoid_outset)
+QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_unit, ellipsoid_terms,
+                ellipsoid_outset)
 
 /* F from x, y, z, and its slope along d, by plain intervals. */
 static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,
@@ -254,7 +279,8 @@ static sgt_objection ellipsoid_object(const void *self)
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
     .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from,
-    .encloses = ellipsoid_encloses};
+    .encloses = ellipsoid_encloses, .values_rounded = ellipsoid_values_rounded,
+    .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,

@@ -30,6 +30,12 @@
  * an ellipsoid and a quadric then cost 9.6 times the instructions one by one, 47 and 57 times in a batch.  As
  * a user's surface (own_ = NULL besides) it is 2.5 and 2.9, 13 and 17 times (300 rays each, by callgrind).
  *
+ * THE SLOPE ABOUT A ROOT.  |dg/dtau| is 2 S at both roots and falls evenly to 0 at the vertex, V = S / |A|
+ * from them.  A stretch that holds a root ends S / 16 |A| from it on that side, as computed, if the root is
+ * off by less than half of that.  S is off by at most 1/32 of itself and |A| by 1/8, so it ends at most 0.11
+ * V from the root, and |dg/dtau| >= 2 (1 - 0.11) 0.968 S > 1.7 S all over it: a root there needs no look
+ * beside it.
+ *
  * Proofs rest on these promises (ray/cells_batch.c), as they do on spans: both are by the bounds above.
  *
  * Nothing is promised in three cases: between these two; if D is not above 16 De (the ray touches); and if
@@ -55,6 +61,7 @@
 
 #define COEFFICIENT 0x1p-49  /* E */
 #define DISCRIMINANT 0x1p-47 /* De / (Ba^2 + Aa Ca) */
+#define STEEPNESS 1.6        /* THE SLOPE ABOUT A ROOT, over S */
 
 typedef struct parabola { double A, B, C, Aa, Ba, Ca; } parabola;
 
@@ -64,7 +71,9 @@ typedef struct near_ray { sgt_vec3 x, d; double t0, scale, inverse; } near_ray;
 typedef struct crossings {
     double lo, hi;              /* no root is outside; lo > hi: there is none */
     double mid, first, second;  /* mid parts the roots */
-    double first_off, slope;    /* how far the first can be off; half of |dg/dtau| there */
+    double first_off, second_off; /* how far they can be off */
+    double slope;               /* half of |dg/dtau| at either */
+    double reach;               /* a sixteenth of the way from a root to the vertex */
     mask none, one, two;        /* the number of roots, where it is certain */
 } crossings;
 
@@ -93,9 +102,9 @@ SGT_INLINE crossings crossings_of(const parabola *p, double t0)
            away_off = chosen(steep, unit * away_spread + 4 * SGT_U * fabs(away), 0.5 * fabs(away));
     mask order = MASK(near <= away);
     double second_off = chosen(order, away_off, near_off);
-    c.mid = -B / A, c.slope = s;
+    c.mid = -B / A, c.slope = s, c.reach = 0x1p-4 * s * inverse;
     c.first = chosen(order, near, away), c.second = chosen(order, away, near),
-    c.first_off = chosen(order, near_off, away_off);
+    c.first_off = chosen(order, near_off, away_off), c.second_off = second_off;
     double before = c.mid - c.first, behind = c.second - c.mid, gap = 0.0625 * (c.second - c.first);
     c.two = clear & (steep | flat);
     mask parted = MASK(before > c.first_off + off) & MASK(behind > second_off + off) & MASK(gap < HUGE_VAL);
@@ -135,15 +144,22 @@ SGT_INLINE sgt_vec3 outset_of(sgt_vec3 o, sgt_vec3 d, double from)
     return (sgt_vec3){moved_along(o.x, from, d.x), moved_along(o.y, from, d.y), moved_along(o.z, from, d.z)};
 }
 
-/* leaves: the start may be the second root. */
-typedef struct lane_span { double lo, hi, seed; mask single, leaves; } lane_span;
+/* leaves: the start may be the second root.  steep: STEEPNESS, in the unit of the parabola; 0: not known. */
+typedef struct lane_span { double lo, hi, seed, steep; mask single, leaves; } lane_span;
 
 SGT_INLINE lane_span quadratic_span(const near_ray *r, const crossings *c)
 {
-    lane_span a = {.seed = (r->t0 + c->first) * r->scale, .single = c->none | c->one};
+    lane_span a = {.seed = (r->t0 + c->first) * r->scale, .single = c->none | c->one,
+                   .steep = chosen(c->one, STEEPNESS * c->slope, 0)};
     a.lo = chosen(c->none, 1.0, chosen(MASK(c->lo > -HUGE_VAL), quadratic_below(r, c->lo), -HUGE_VAL));
     a.hi = chosen(c->none, -1.0, chosen(MASK(c->hi < HUGE_VAL), quadratic_above(r, c->hi), HUGE_VAL));
     return a;
+}
+
+/* Where a stretch that holds one of two roots may end on the side of the vertex, and still be steep. */
+SGT_INLINE mask quadratic_steep(const near_ray *r, const crossings *c, double root, double off)
+{
+    return MASK(off + 0x1p-46 * (fabs(r->t0) + fabs(root)) < 0.5 * c->reach);
 }
 
 /* terms: |x Fx| + |y Fy| + |z Fz| at the first root, in the unit of the parabola. */
@@ -157,9 +173,14 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may not part them */
     mask accepted = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
          behind = two & MASK(gap + blur < 0.75 * width);
-    double mid = (r->t0 + c->mid) * r->scale;
-    a.hi = chosen(accepted, mid, a.hi), a.lo = chosen(behind, mid, a.lo);
+    double mid = (r->t0 + c->mid) * r->scale, after = (r->t0 + (c->first + c->reach)) * r->scale,
+           before = (r->t0 + (c->second - c->reach)) * r->scale;
+    mask steep = accepted & quadratic_steep(r, c, c->first, c->first_off),
+         steep_behind = behind & quadratic_steep(r, c, c->second, c->second_off);
+    a.hi = chosen(steep, after, chosen(accepted, mid, a.hi));
+    a.lo = chosen(steep_behind, before, chosen(behind, mid, a.lo));
     a.seed = chosen(behind, (r->t0 + c->second) * r->scale, a.seed);
+    a.steep = chosen(steep | steep_behind, STEEPNESS * c->slope, a.steep);
     a.single |= accepted | behind;
     a.leaves = behind & MASK(fabs(c->second - (from - r->t0)) < 0x1p-20 * (c->second - c->first));
     return a;
@@ -186,8 +207,11 @@ SGT_INLINE lane_span quadratic_leave(const near_ray *r, const crossings *c, cons
               MASK(64 * fabs(p->A) * (g + e) <= steep * steep) &
               MASK(steep > 0x1p10 * b.slope_err) & (MASK(width > TINY) | exact);
     mask first = on & MASK(b.slope * p->A < 0), last = on & MASK(b.slope * p->A > 0);
-    a.lo = chosen(first, (r->t0 + c->mid) * r->scale, a.lo);
+    mask rises = first & quadratic_steep(r, c, c->second, c->second_off);
+    double before = (r->t0 + (c->second - c->reach)) * r->scale;
+    a.lo = chosen(rises, before, chosen(first, (r->t0 + c->mid) * r->scale, a.lo));
     a.seed = chosen(first, (r->t0 + c->second) * r->scale, a.seed);
+    a.steep = chosen(rises, STEEPNESS * c->slope, chosen(first | last, 0, a.steep));
     a.lo = chosen(last, 1.0, a.lo), a.hi = chosen(last, -1.0, a.hi);
     a.single |= first | last;
     return a;
@@ -205,6 +229,7 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
  *
  *   SELF                       its type
  *   APPROACH(s, o, d, &p, &r)  makes the parabola and the local ray
+ *   UNIT(s)                    F over the parabola
  *   TERMS(s, &r, tau)          the terms at tau
  *   BEGINNING(s, p, d)         what is known at the point p, d being the local direction
  *
@@ -212,12 +237,13 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
  *
  * NAME_all_leaving runs only for blocks with a ray that NAME_all_firsts leaves open.  Where the first ray
  * starts on the surface, most do, and it runs at once: it gives what the other gives, and more. */
-#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, KIND)                                            \
+#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER, STEEP, KIND)                                     \
     KIND                                                                                               \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,  \
                      const double *restrict dz, const double *restrict tmin, double *restrict lo,      \
-                     double *restrict hi, double *restrict seed, double *restrict single)              \
+                     double *restrict hi, double *restrict seed, double *restrict single,              \
+                     double *restrict steep)                                                           \
     {                                                                                                  \
         const SELF s = *self;                                                                          \
         (void)tmin;                                                                                    \
@@ -229,13 +255,15 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
             crossings c = crossings_of(&p, r.t0);                                                      \
             lane_span a = ANSWER;                                                                      \
             lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                   \
+            STEEP                                                                                      \
         }                                                                                              \
     }
 
-#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS, BEGINNING)                                             \
-    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c), SGT_KERNEL)                   \
+#define QUADRATIC_SPANS(NAME, SELF, APPROACH, UNIT, TERMS, BEGINNING)                                       \
+    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c), (void)steep;, SGT_KERNEL)     \
     QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
-                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]), SGT_KERNEL)                   \
+                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]),                               \
+                    steep[i] = a.steep * UNIT(&s);, SGT_KERNEL)                                             \
     SGT_KERNEL                                                                                              \
     static void NAME##_all_outsets(const SELF *self, size_t n, const sgt_rays *rays, outsets *restrict out) \
     {                                                                                                       \
@@ -255,7 +283,7 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
     SGT_KERNEL                                                                                              \
     static void NAME##_all_leaving(const SELF *self, size_t n, const sgt_rays *rays, const outsets *from,   \
                                    double *restrict lo, double *restrict hi, double *restrict seed,         \
-                                   double *restrict single)                                                 \
+                                   double *restrict single, double *restrict steep)                         \
     {                                                                                                       \
         const SELF s = *self;                                                                               \
         const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0],                \
@@ -270,17 +298,19 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
             lane_span a = quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]);                         \
             a = quadratic_leave(&r, &c, &p, a, b, tmin[i]);                                                 \
             lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = settled_of(a);                        \
+            steep[i] = a.steep * UNIT(&s);                                                                  \
         }                                                                                                   \
     }                                                                                                       \
     SGT_NOINLINE                                                                                            \
-    static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, size_t i)        \
+    static void NAME##_unsettled(const void *self, size_t n, sgt_rays rays, sgt_spans out, double steep[],  \
+                                 size_t i)                                                                  \
     {                                                                                                       \
         double single[DEPARTURE_BLOCK];                                                                     \
         outsets from;                                                                                       \
         sgt_rays own = rays_from(&rays, i);                                                                 \
         own.tmin = rays.tmin + i;                                                                           \
         NAME##_all_outsets(self, n, &own, &from);                                                           \
-        NAME##_all_leaving(self, n, &own, &from, out.lo + i, out.hi + i, out.seed + i, single);             \
+        NAME##_all_leaving(self, n, &own, &from, out.lo + i, out.hi + i, out.seed + i, single, steep);      \
         for (size_t j = 0; j < n; j++) out.single[i + j] = single[j] > 0;                                   \
     }                                                                                                       \
     static bool NAME##_begins_on(const SELF *s, const sgt_rays *r, size_t i)                                \
@@ -291,51 +321,69 @@ enum { FEW_LEAVE = 16 }; /* rays of a block, and more: its first ray is looked a
         outset b = BEGINNING(s, outset_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]}, d, from), d);     \
         return fabs(b.g) <= START_ULPS * b.terms;                                                           \
     }                                                                                                       \
-    static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
+    static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first,         \
+                              double steep[])                                                               \
     {                                                                                                       \
-        double single[DEPARTURE_BLOCK];                                                                     \
+        double single[DEPARTURE_BLOCK], unread[DEPARTURE_BLOCK];                                            \
         for (size_t i = 0, few; i < n; i += few) {                                                          \
             few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;                                        \
+            double *own = steep ? steep + i : unread;                                                       \
             if (first && few >= FEW_LEAVE && NAME##_begins_on(self, &rays, i)) {                            \
-                NAME##_unsettled(self, few, rays, out, i);                                                  \
+                NAME##_unsettled(self, few, rays, out, own, i);                                             \
                 continue;                                                                                   \
             }                                                                                               \
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
-                rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
+                rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single,  \
+                own);                                                                                       \
             bool settled = true;                                                                            \
             for (size_t j = 0; j < few; j++)                                                                \
                 out.single[i + j] = single[j] > 0, settled &= single[j] == 1;                               \
             if (!first || settled) continue;                                                                \
-            NAME##_unsettled(self, few, rays, out, i);                                                      \
+            NAME##_unsettled(self, few, rays, out, own, i);                                                 \
         }                                                                                                   \
     }                                                                                                       \
     static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)                      \
     {                                                                                                       \
-        NAME##_blocks(self, n, rays, out, false);                                                           \
+        NAME##_blocks(self, n, rays, out, false, NULL);                                                     \
     }                                                                                                       \
     static void NAME##_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out)                     \
     {                                                                                                       \
-        NAME##_blocks(self, n, rays, out, true);                                                            \
+        NAME##_blocks(self, n, rays, out, true, NULL);                                                      \
     }                                                                                                       \
-    static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first)                            \
+    static void NAME##_steep_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out,               \
+                                    double steep[])                                                         \
+    {                                                                                                       \
+        NAME##_blocks(self, n, rays, out, true, steep);                                                     \
+    }                                                                                                       \
+    static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first, double *steep)             \
     {                                                                                                       \
         sgt_span a;                                                                                         \
         double single;                                                                                      \
         const sgt_vec3 *o = &ray->o, *d = &ray->d;                                                          \
         (first ? NAME##_all_firsts : NAME##_all_spans)(self, 1, &o->x, &o->y, &o->z, &d->x, &d->y, &d->z,   \
                                                        first ? &ray->tmin : NULL, &a.lo, &a.hi, &a.seed,    \
-                                                       &single);                                            \
+                                                       &single, steep);                                     \
         a.single = single > 0;                                                                              \
         if (first && single != 1)                                                                           \
-            NAME##_unsettled(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, 0);      \
+            NAME##_unsettled(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, steep,   \
+                             0);                                                                            \
         return a;                                                                                           \
     }                                                                                                       \
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \
     {                                                                                                       \
-        return NAME##_one(self, ray, false);                                                                \
+        double unread;                                                                                      \
+        return NAME##_one(self, ray, false, &unread);                                                       \
     }                                                                                                       \
-    static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_one(self, ray, true); }
+    static sgt_span NAME##_steep_first(const void *self, const sgt_ray *ray, double *steep)                 \
+    {                                                                                                       \
+        return NAME##_one(self, ray, true, steep);                                                          \
+    }                                                                                                       \
+    static sgt_span NAME##_first(const void *self, const sgt_ray *ray)                                      \
+    {                                                                                                       \
+        double unread;                                                                                      \
+        return NAME##_one(self, ray, true, &unread);                                                        \
+    }
 
 SGT_INLINE near_ray near_ray_of(sgt_vec3 d)
 {

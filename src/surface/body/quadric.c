@@ -103,6 +103,23 @@ static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t
     return true;
 }
 
+SGT_KERNEL
+static bool quadric_values_rounded(const void *self, const sgt_shared *shared, const double *const rows_of[3],
+                                   size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const sgt_quadric s = *(const sgt_quadric *)self, sizes = quadric_sizes_of(&s);
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
+    (void)shared, (void)rows_of;
+    LANES for (size_t i = 0; i < n; i++) {
+        rows g;
+        double value = quadric_at(&s, x[i], y[i], z[i], &g);
+        f[i] = value, gx[i] = g.x, gy[i] = g.y, gz[i] = g.z;
+        own[i] = sizes_rounding(&sizes, x[i], y[i], z[i]);
+    }
+    return true;
+}
+
 /* Half the second derivative along d.  Given the magnitudes, it is the sum of its terms' magnitudes. */
 SGT_INLINE double quadric_bent(const sgt_quadric *s, double l, double m, double n)
 {
@@ -142,7 +159,10 @@ SGT_INLINE outset quadric_outset(const sgt_quadric *s, sgt_vec3 p, sgt_vec3 d)
                        .terms = fabs(p.x * g.x) + fabs(p.y * g.y) + fabs(p.z * g.z)};
 }
 
-QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_terms, quadric_outset)
+/* The parabola is that of F. */
+SGT_INLINE double quadric_unit(const sgt_quadric *s) { return (void)s, 1; }
+
+QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_unit, quadric_terms, quadric_outset)
 
 /* ------------------------------------------------------------------ by intervals */
 
@@ -374,7 +394,8 @@ static sgt_objection quadric_object(const void *self)
 
 static const struct sgt_builtin_ops quadric_builtin = {
     .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from,
-    .encloses = quadric_encloses};
+    .encloses = quadric_encloses, .values_rounded = quadric_values_rounded,
+    .first = quadric_steep_first, .firsts = quadric_steep_firsts};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span,

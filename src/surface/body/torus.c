@@ -35,6 +35,10 @@
  * it.  So there is one root, and it is the first.  For a spindle this holds as far as H, which is convex,
  * cannot be 0.  Inside the tube the same holds for -G, with -K in place of kappa and -kappa in place of A.
  *
+ * THE SLOPE ABOUT A ROOT.  Such a stretch ends at most halfway to where 2 (b + A s) is 0, and the root is
+ * before: it has A s < 0.29 |b|.  So |G'| >= |b| all over it, and where r <= R |F'| >= |b| / 2r.  A root
+ * there needs no look beside it.
+ *
  * PROOFS rest on this (ray/cells_batch.c): G, b and the bounds on G'' are taken with their errors, and misses
  * are told by the same search.
  *
@@ -64,6 +68,7 @@
 #include "quadratic.h"
 
 enum { STEPS = 16 };
+static const double LEAST_SLOPE = 0.48; /* THE SLOPE ABOUT A ROOT, over |b| / r */
 
 typedef struct torus_ring { double R, r, r2, r2_lo, half, inverse, k; mask spindle; } torus_ring;
 
@@ -194,6 +199,30 @@ static double torus_clearance(const void *self, sgt_vec3 p)
     return (one < other ? one : other) - 8 * SGT_U * (rho + fabs(p.z) + s.R + s.r);
 }
 
+SGT_KERNEL
+static bool torus_values_rounded(const void *self, const sgt_shared *shared, const double *const rows[3],
+                                 size_t n, sgt_points p, sgt_values out, double own[])
+{
+    const torus_ring s = ring_of(self);
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
+    (void)shared, (void)rows;
+    if (s.spindle) {
+        LANES for (size_t i = 0; i < n; i++) {
+            double nx, ny, nz, value = spindle_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+            f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;
+            own[i] = spindle_rounding(&s, x[i], y[i], z[i]);
+        }
+    } else {
+        LANES for (size_t i = 0; i < n; i++) {
+            double nx, ny, nz, value = ring_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+            f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;
+            own[i] = ring_rounding(&s, x[i], y[i], z[i]);
+        }
+    }
+    return true;
+}
+
 /* ------------------------------------------------------------------ the first root */
 
 enum { BLOCK = DEPARTURE_BLOCK / 2 }; /* its rows are many, and the stack is small */
@@ -214,6 +243,7 @@ typedef struct torus_parting {
     row kappa, inside;           /* bounds on G'' / 2: from below, and from above inside the tube */
     row start, at;               /* tmin; a margin about it for rounding, by its magnitude */
     row tau, side, from, to, seek, left, none, met;
+    row ease;                    /* at `from`, of a root that was found: a lower bound on |G'| / 2 */
     row g, b, bend, g_err, b_err, radius, one; /* of one step: at tau, with the signs of `side` */
 } torus_parting;
 
@@ -316,7 +346,7 @@ SGT_INLINE void parting_begin(const torus_ring *s, torus_parting *c, size_t i, s
     gone |= on & out & MASK(past > hi);
     c->tau[i] = past, c->side[i] = chosen(deep, -1, 1);
     c->seek[i] = chosen((out | deep) & ~gone, 1, 0), c->none[i] = chosen(gone, 1, 0),
-    c->left[i] = c->met[i] = 0;
+    c->left[i] = c->met[i] = c->ease[i] = 0;
     c->from[i] = lo, c->to[i] = hi;
 }
 
@@ -326,7 +356,7 @@ SGT_INLINE void parting_judge(const torus_ring *s, torus_parting *c, size_t i)
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], a = l * l + m * m;
     torus_look e = torus_look_at(s, c, i, tau);
     double g = side * e.at.g, b = side * e.b, over = chosen(MASK(side > 0), a + n * n, -c->kappa[i]);
-    double ease = -b - 4 * e.b_err, most = larger(over, 0.4 * b * b / g), way = 0.75 * ease / most,
+    double ease = -b - 4 * e.b_err, most = larger(over, 0.4 * b * b / g), way = 0.5 * ease / most,
            width = START_ULPS * e.terms / -b;
     way = chosen(MASK(side < 0) & MASK(tau + way > c->enter[i]) & MASK(tau < c->enter[i]), c->enter[i] - tau,
                  way);
@@ -348,6 +378,7 @@ SGT_INLINE void parting_judge(const torus_ring *s, torus_parting *c, size_t i)
     c->radius[i] = sqrt(larger(s->r2 + e.at.g, 0)) + s->r;
     c->from[i] = chosen(one & MASK(c->seek[i] > 0), tau, c->from[i]),
     c->to[i] = chosen(one & MASK(c->seek[i] > 0), tau + way, c->to[i]);
+    c->ease[i] = chosen(one & MASK(c->seek[i] > 0), ease, c->ease[i]);
     c->one[i] = chosen(one, c->seek[i], 0);
 }
 
@@ -410,26 +441,41 @@ static double unfinished(const torus_parting *c, size_t n)
     return more;
 }
 
-/* single: gives [from, to] where a root was found.  Otherwise the span, with its seed. */
+/* The span, with its seed. */
 SGT_KERNEL
-static void end(const torus_parting *c, size_t n, bool single, double *lo, double *hi, double *seed,
-                bool *is_single)
+static void end_spans(const torus_parting *c, size_t n, double *lo, double *hi, double *seed, bool *is_single)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        mask none = MASK(c->none[i] > 0), found = MASK(single) & MASK(c->met[i] > 0);
+        mask none = MASK(c->none[i] > 0);
+        double t0 = c->t0[i], scale = c->scale[i], from = c->lo[i], to = c->hi[i];
+        double below = (t0 + from) - 0x1p-51 * (fabs(t0) + fabs(from)), above = t0 + to;
+        lo[i] = chosen(none, 1.0, below * scale), hi[i] = chosen(none, -1.0, above * scale);
+        seed[i] = chosen(none, (double)NAN, (t0 + c->tau[i]) * scale), is_single[i] = none != 0;
+    }
+}
+
+/* The same, and [from, to] where a root was found, with the bound on the slope. */
+SGT_KERNEL
+static void end_firsts(const torus_parting *c, const torus_ring *s, size_t n, double *lo, double *hi,
+                       double *seed, double *steep, bool *is_single)
+{
+    const double least = chosen(s->spindle, 0, LEAST_SLOPE * s->inverse);
+    LANES for (size_t i = 0; i < n; i++) {
+        mask none = MASK(c->none[i] > 0), found = MASK(c->met[i] > 0);
         double t0 = c->t0[i], scale = c->scale[i], from = chosen(found, c->from[i], c->lo[i]),
                to = chosen(found, c->to[i], c->hi[i]);
         double below = (t0 + from) - 0x1p-51 * (fabs(t0) + fabs(from)), above = t0 + to;
         lo[i] = chosen(none, 1.0, below * scale), hi[i] = chosen(none, -1.0, above * scale);
         seed[i] = chosen(none, (double)NAN, (t0 + c->tau[i]) * scale), is_single[i] = (none | found) != 0;
+        steep[i] = chosen(found & ~none & MASK(to - from > 0x1p-40 * fabs(t0)), c->ease[i] * least, 0);
     }
 }
 
-static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out)
+static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out, double steep[])
 {
     torus_ring s = ring_of(self);
     torus_parting c;
-    row whole;
+    row whole, unread;
     WENT(WAY_PARTED);
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
@@ -440,31 +486,41 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
                                                                                          rays.d[2] + at};
         torus_begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
         for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) torus_judge(&s, &c, few), move(&c, few);
-        end(&c, few, first, out.lo + at, out.hi + at, out.seed + at, out.single + at);
+        double *own = steep ? steep + at : unread;
+        if (first) end_firsts(&c, &s, few, out.lo + at, out.hi + at, out.seed + at, own, out.single + at);
+        else end_spans(&c, few, out.lo + at, out.hi + at, out.seed + at, out.single + at);
         for (size_t i = 0; i < few; i++) /* if d is this long, the ends may underflow in lengths of d */
             if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
-                out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false;
+                out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false, own[i] = 0;
     }
 }
 
 static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
-    torus_search(self, n, rays, false, out);
+    torus_search(self, n, rays, false, out, NULL);
 }
 static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
-    torus_search(self, n, rays, true, out);
+    torus_search(self, n, rays, true, out, NULL);
+}
+static void torus_steep_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out, double steep[])
+{
+    torus_search(self, n, rays, true, out, steep);
 }
 
-static sgt_span unique(const void *self, const sgt_ray *ray, bool first)
+static sgt_span unique(const void *self, const sgt_ray *ray, bool first, double *steep)
 {
     sgt_span a;
-    torus_search(self, 1, rays_of(ray), first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
+    torus_search(self, 1, rays_of(ray), first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, steep);
     return a;
 }
 
-static sgt_span torus_span(const void *self, const sgt_ray *ray) { return unique(self, ray, false); }
-static sgt_span torus_first(const void *self, const sgt_ray *ray) { return unique(self, ray, true); }
+static sgt_span torus_span(const void *self, const sgt_ray *ray) { return unique(self, ray, false, NULL); }
+static sgt_span torus_first(const void *self, const sgt_ray *ray) { return unique(self, ray, true, NULL); }
+static sgt_span torus_steep_first(const void *self, const sgt_ray *ray, double *steep)
+{
+    return unique(self, ray, true, steep);
+}
 
 /* ------------------------------------------------------------------ by intervals */
 
@@ -798,7 +854,8 @@ static sgt_objection torus_object(const void *self)
 
 static const struct sgt_builtin_ops torus_builtin = {
     .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from,
-    .encloses = torus_encloses};
+    .encloses = torus_encloses, .values_rounded = torus_values_rounded,
+    .first = torus_steep_first, .firsts = torus_steep_firsts};
 
 const sgt_surface_ops sgt_torus_ops = {
     .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans,

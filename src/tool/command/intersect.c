@@ -13,6 +13,7 @@
 #include "../read/surface.h"
 #include "../base/tiles.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -61,7 +62,7 @@ typedef struct intersect_arguments {
     shared_options shared;
     const char *surface, *file;
     ray_list rays;
-    bool all, skip_bad;
+    bool all, skip_bad, single;
     watch_options watched;
 } intersect_arguments;
 
@@ -115,6 +116,11 @@ static const option_row intersect_rows[] = {
      "A stretch of the ray that could not be decided has a row too: its t is the middle, its\n"
      "t_err half the length",
      OPTION_FLAG, .to = offsetof(intersect_arguments, all)},
+    {"single", NULL,
+     "rays and answers in single precision: faster on planes, conics and even aspheres\n"
+     "Rays are rounded to floats; t, t_err, the point and the gradient are of the rounded ray, and\n"
+     "t_err is some 1e-7 of t.  evals is empty.  Without --all, --watch",
+     OPTION_FLAG, .to = offsetof(intersect_arguments, single)},
     {"watch", "FILE",
      "write the evaluations of each ray that is undecided, as csv\n"
      "The columns are those of sagitta diagnose",
@@ -184,6 +190,9 @@ static intersect_arguments intersect_arguments_of(const command *c, int argc, ch
                    argv[optind]);
     if (!a.surface) fail_usage("--surface is missing; for example --surface '{type: sphere, radius: 20}'");
     if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
+    if (a.single && a.all) fail_usage("give --single or --all, not both; --single finds one root of a ray");
+    if (a.single && a.watched.path) fail_usage("give --single or --watch, not both; --watch is of doubles");
+    a.shared.target.single = a.single;
     if (a.rays.begun && !a.rays.places) fail_usage("--from without --look; add --look \"az el\"");
     if (!a.file == !a.rays.count)
         fail_usage(a.file ? "give --rays or --ray, not both"
@@ -214,6 +223,7 @@ typedef struct intersect_room {
     ray_block rays;
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
     double lo[TILE_RAYS], hi[TILE_RAYS];
+    float single[16][TILE_RAYS];               /* of --single: o, d, tmin, tmax, and what is in `number` */
     double *spot[3];                           /* [spots] each: latitudes, longitudes, heights */
     int spots;
     sgt_status status[TILE_RAYS];
@@ -286,6 +296,42 @@ static void room_for_spots(const intersect_work *w, intersect_room *r, int count
     r->spots = count;
 }
 
+/* Rays are rounded to floats before any answer is asked. */
+static void round_to_floats(ray_block *b)
+{
+    static const char *const name[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
+    for (int c = 0; c < 8; c++)
+        for (size_t i = 0; i < b->count; i++) {
+            const double x = b->number[c][i];
+            const bool fits = fabs(x) <= (double)FLT_MAX;
+            if (!fits && c < 6)
+                fail_input("ray %lld: %s: %g does not fit in single precision", b->ray[i], name[c], x);
+            b->number[c][i] = fits ? (double)(float)x : copysign(HUGE_VAL, x);
+        }
+    for (size_t i = 0; i < b->count; i++)
+        if (b->number[3][i] == 0 && b->number[4][i] == 0 && b->number[5][i] == 0)
+            fail_input("ray %lld: its direction is 0 in single precision", b->ray[i]);
+}
+
+/* Asks for the answers of a block by floats. */
+static void intersect_single(const intersect_work *w, intersect_room *r)
+{
+    const size_t count = r->rays.count;
+    float(*own)[TILE_RAYS] = r->single, (*to)[TILE_RAYS] = r->single + 8;
+    const bool ended = r->rays.ended;
+    for (int c = 0; c < (ended ? 8 : 6); c++)
+        for (size_t i = 0; i < count; i++) own[c][i] = (float)r->rays.number[c][i];
+    sgt_intersect_batch_f(w->surface, count,
+                          (sgt_rays_f){.o = {own[0], own[1], own[2]}, .d = {own[3], own[4], own[5]},
+                                       .tmin = ended ? own[6] : NULL, .tmax = ended ? own[7] : NULL},
+                          (sgt_hits_f){.status = r->status, .t = to[0], .t_err = to[1],
+                                       .p = {to[2], to[3], to[4]}, .n = {to[5], to[6], to[7]}},
+                          &w->asked->shared.solver);
+    for (int c = 0; c < 8; c++)
+        for (size_t i = 0; i < count; i++) r->number[c][i] = (double)to[c][i];
+    memset(r->evals, 0, count * sizeof *r->evals);
+}
+
 /* The answers of a batch; only an undecided one has lo and hi, which a batch does not give. */
 static void find_one_each(const intersect_work *w, intersect_room *r, keeping *keep)
 {
@@ -295,7 +341,8 @@ static void find_one_each(const intersect_work *w, intersect_room *r, keeping *k
     double(*n)[TILE_RAYS] = r->number;
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
-    if (!shard_joins()) sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
+    if (!shard_joins() && w->asked->single) intersect_single(w, r);
+    else if (!shard_joins()) sgt_intersect_batch(w->surface, b->count, rays_columns(b), hits, opt);
     if (shard_count() && !w->prints) record_each(keep, r);
     if (shard_is() && !w->prints) return;
     for (size_t i = 0; i < b->count; i++) {
@@ -315,7 +362,7 @@ static void find_one_each(const intersect_work *w, intersect_room *r, keeping *k
     const table_values rows[HEAD_COUNT] = {
         TABLE_VALUES(b->ray), TABLE_VALUES(r->root), {r->status, 1, answer_word}, TABLE_VALUES(n[0]),
         TABLE_VALUES(n[1]), TABLE_VALUES(n[2]), TABLE_VALUES(n[3]), TABLE_VALUES(n[4]), TABLE_VALUES(n[5]),
-        TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), TABLE_VALUES(r->evals),
+        TABLE_VALUES(n[6]), TABLE_VALUES(n[7]), {w->asked->single ? NULL : r->evals, sizeof *r->evals, NULL},
     };
     room_for_spots(w, r, TILE_RAYS);
     if (w->earth)
@@ -409,6 +456,7 @@ static void find(void *data, const tile *t)
     }
     if (!w->prints || !shard_joins()) {
         rays_part(&w->asked->rays, t->first, t->count, &r->rays);
+        if (w->asked->single) round_to_floats(&r->rays);
         (w->asked->all ? find_all : find_one_each)(w, r, &keep);
     }
     if (!w->prints) return;
@@ -524,6 +572,8 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     if (a.rays.places)
         fail_usage("a place (--from, lat) needs a surface about the Earth: '{type: geodetic_height}' is the "
                    "ellipsoid of WGS84; or level_gravity, geoid");
+    if (a.single && w.earth)
+        fail_usage("--single: not about the Earth; in single precision a place is known to half a metre");
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
     a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};

@@ -63,8 +63,8 @@ static const option_row trade_rows[] = {
      "Default: a thousand rays that suit the surface",
      OPTION_TEXT, .to = offsetof(trade_arguments, trade.surface)},
     {"ray", "\"...\"", "a ray for it: ox oy oz dx dy dz", OPTION_TAKE, .take = trade_take_ray},
-    {"seconds", "S", "time to spend on measuring, about (default 10)", OPTION_LENGTH,
-     .to = offsetof(trade_arguments, trade.seconds)},
+    {"seconds", "S", "time to spend on measuring, about (default 3; without a lens or a surface 10)",
+     OPTION_LENGTH, .to = offsetof(trade_arguments, trade.seconds)},
     {"picture", "FILE", "draw error against time: svg, png or pdf, by the ending of the name", OPTION_TEXT,
      .to = offsetof(trade_arguments, picture)},
     {"svg", "FILE", "--svg FILE is now --picture FILE", .kind = OPTION_REFUSED},
@@ -167,10 +167,11 @@ static void check(const trade_arguments *a, bool of_lens)
 
 static trade_arguments trade_arguments_of(const command *c, int argc, char *argv[])
 {
-    trade_arguments a = {.trade = {.seconds = 10}};
+    trade_arguments a = {.trade = {.seconds = -1}};
     const unsigned given = command_read(c, &a, &a.trade.job, &a.shared, argc, argv);
     if (optind < argc) a.trade.job.lens = argv[optind++];
     if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
+    if (a.trade.seconds < 0) a.trade.seconds = a.trade.surface || a.trade.job.lens ? 3 : 10;
     check(&a, given & 1u << OPTIONS_OF_JOB);
     if (a.picture) chart_check("picture", a.picture);
     if (!quad_there())
@@ -298,9 +299,25 @@ static words idle_knobs(const trade_case *c)
     return idle;
 }
 
-/* Under the rows: which knobs change nothing, and what each best setting does, if it is one thing. */
+/* Is there a best setting beside the base that tells as much and proves as much: time for accuracy? */
+static bool any_trade(const trade_case *c)
+{
+    const setting *base = measure_base(c);
+    for (size_t i = 0; i < c->settings; i++) {
+        const setting *s = &c->setting[i];
+        if (s->best && s != base && s->outputs == base->outputs && s->options.proof == base->options.proof)
+            return true;
+    }
+    return false;
+}
+
+/* Under the rows: is there a trade, which knobs change nothing, and what each best setting does, if it is one
+ * thing. */
 static void write_words(table *t, const trade_case *c)
 {
+    if (!any_trade(c))
+        table_line(t, "Here no accuracy can be traded for speed: of the settings that tell and prove as "
+                      "much, one is best.");
     char text[1200] = "";
     words idle = idle_knobs(c);
     if (idle.count)

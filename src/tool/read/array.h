@@ -52,6 +52,15 @@ static inline double array_double(const unsigned char *at)
     return x;
 }
 
+/* A float of 4 bytes, the lower first. */
+static inline double array_float(const unsigned char *at)
+{
+    const uint32_t bits = at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 /* One of `size` bytes, at most 8. */
 long long array_integer(const unsigned char *at, size_t size);
 

@@ -2,9 +2,9 @@
 /* ray_table.c - rays from arrays of NumPy: one structured array, or one of N x 6 numbers, or a folder with an
  * array for each column.
  *
- * The columns have the names of those of csv, and the numbers are doubles, '<f8'.  All rays are looked at
- * before the first is traced, so that a bad one is told before anything is written.  Then they are read
- * again, some at a time; only ids are kept. */
+ * The columns have the names of those of csv, and the numbers are all doubles, '<f8', or all floats, '<f4',
+ * of which each is a double too.  All rays are looked at before the first is traced, so that a bad one is
+ * told before anything is written.  Then they are read again, some at a time; only ids are kept. */
 #include "ray_table.h"
 
 #include "../base/fail.h"
@@ -27,6 +27,7 @@ struct ray_table {
     const char *path;
     size_t rows, files, bad; /* bad: how many of the rows are */
     bool ended;              /* there is tmin or tmax */
+    bool floats;             /* the numbers are floats */
     bool share, skip_bad;    /* share: this run reads only some rows, and looks only at these */
     array file[RAY_COLUMNS];
     ray_column column[RAY_COLUMNS];
@@ -53,9 +54,16 @@ static void set_column(ray_table *t, int c, const array *file, const array_field
     const char *type = field->type, *name = ray_column_name[c];
     if (t->column[c].file) fail_input("%s: %s: this column is given twice", t->path, name);
     const bool integer = strcmp(type, "<i8") == 0 || strcmp(type, "<i4") == 0;
-    if (c < RAY_ID && strcmp(type, "<f8") != 0)
-        fail_input("%s: %s: of the type '%s'; only '<f8' can be read, float64 with the lower byte first",
+    const bool floats = strcmp(type, "<f4") == 0;
+    if (c < RAY_ID && !floats && strcmp(type, "<f8") != 0)
+        fail_input("%s: %s: of the type '%s'; only '<f8' and '<f4' can be read, float64 and float32 with the "
+                   "lower byte first",
                    file->path, name, type);
+    for (int b = 0; b < RAY_ID && c < RAY_ID; b++)
+        if (t->column[b].file && t->floats != floats)
+            fail_input("%s: %s: of the type '%s', but %s is '%s'; the numbers must be of one type",
+                       file->path, name, type, ray_column_name[b], t->column[b].field->type);
+    if (c < RAY_ID) t->floats = floats;
     if (c == RAY_ID && !integer && (type[0] != '|' || type[1] != 'S'))
         fail_input("%s: id: of the type '%s'; only bytes, '|S', and integers, '<i4' and '<i8', can be read",
                    file->path, type);
@@ -140,6 +148,22 @@ static cells cells_of(const ray_table *t, size_t first)
     return r;
 }
 
+/* The number of a column in the i-th row, and its bits as a double. */
+static inline double double_at(const cells *r, int c, size_t i, bool floats)
+{
+    const unsigned char *at = r->at[c] + i * r->apart;
+    return floats ? array_float(at) : array_double(at);
+}
+
+static inline uint64_t bits_at(const cells *r, int c, size_t i, bool floats)
+{
+    const double x = floats ? array_float(r->at[c] + i * r->apart) : 0;
+    uint64_t bits;
+    if (!floats) return array_bits(r->at[c] + i * r->apart);
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
 /* Asks for a row some 3 KB behind the i-th: what foresees a stream by itself stops at the end of a page. */
 #define FETCH(r, i) __builtin_prefetch(r.at[0] + (r.rows - i > 64 ? i + 64 : i) * r.apart)
 
@@ -149,11 +173,11 @@ static void read_columns(const ray_table *t, size_t first, size_t count, ray_blo
     const cells r = cells_of(t, first);
     for (size_t i = 0; i < count; i++) {
         FETCH(r, i);
-        for (int c = 0; c < RAY_REQUIRED; c++) to->number[c][i] = array_double(r.at[c] + i * r.apart);
+        for (int c = 0; c < RAY_REQUIRED; c++) to->number[c][i] = double_at(&r, c, i, t->floats);
     }
     for (int c = RAY_TMIN; c <= RAY_TMAX && t->ended; c++)
         for (size_t i = 0; i < count; i++)
-            to->number[c][i] = r.at[c] ? array_double(r.at[c] + i * r.apart) : c == RAY_TMIN ? 0 : HUGE_VAL;
+            to->number[c][i] = r.at[c] ? double_at(&r, c, i, t->floats) : c == RAY_TMIN ? 0 : HUGE_VAL;
     for (size_t i = 0; i < count; i++) to->ray[i] = (long long)(first + i);
     for (size_t i = 0; i < count && t->id; i++) to->id[i] = t->id + (first + i) * t->id_room;
     to->count = count, to->ended = t->ended;
@@ -202,14 +226,14 @@ static bool any_bad(const ray_table *t, size_t first, size_t count)
     for (size_t i = 0; i < count; i++) {
         uint64_t bits[RAY_REQUIRED];
         FETCH(r, i);
-        for (int c = 0; c < RAY_REQUIRED; c++) bits[c] = array_bits(r.at[c] + i * r.apart) & exponent;
+        for (int c = 0; c < RAY_REQUIRED; c++) bits[c] = bits_at(&r, c, i, t->floats) & exponent;
         for (int c = 0; c < RAY_REQUIRED; c++) top |= bits[c] + one;
         top |= (bits[3] | bits[4] | bits[5]) - one;
     }
     for (size_t i = 0; i < count && t->ended; i++) {
         double end[2] = {0, HUGE_VAL};
         for (int c = RAY_TMIN; c <= RAY_TMAX; c++)
-            if (r.at[c]) end[c - RAY_TMIN] = array_double(r.at[c] + i * r.apart);
+            if (r.at[c]) end[c - RAY_TMIN] = double_at(&r, c, i, t->floats);
         if (!(end[0] <= end[1]) || end[0] > DBL_MAX || end[1] < -DBL_MAX) return true;
     }
     for (size_t f = 0; f < t->files; f++) array_leave(&t->file[f], first, count);

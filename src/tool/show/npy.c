@@ -34,6 +34,7 @@ typedef struct npy_place { size_t file, offset; } npy_place;
 
 struct npy_output {
     size_t word_size;  /* of a WORD: bytes */
+    bool floats;       /* a number is written as a float, which it is */
     const column *head;
     size_t columns, rows, placed;
     bool folder;
@@ -48,6 +49,8 @@ static size_t npy_size(const npy_output *n, column_kind kind)
     case COLUMN_INTEGER: return sizeof(int32_t);
     case COLUMN_CODE: return 1;
     case COLUMN_WORD: return n->word_size;
+    case COLUMN_NUMBER:
+    case COLUMN_ERROR: return n->floats ? sizeof(float) : sizeof(double);
     default: return 8;
     }
 }
@@ -183,6 +186,7 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
     npy_output *n = memory_take(1, sizeof *n);
     *n = (npy_output){.head = head, .columns = columns,
                       .word_size = target->word_size ? target->word_size : 1, .placed = target->placed,
+                      .floats = target->single,
                       .file = memory_take(columns, sizeof *n->file),
                       .place = memory_take(columns, sizeof *n->place),
                       .folder = length < 4 || strcmp(path + length - 4, ".npy") != 0};
@@ -226,6 +230,12 @@ static void copy_column(char *to, size_t apart, size_t size, column_kind kind, c
             const size_t length = text ? strlen(*text) : 0;
             if (length) memcpy(to, *text, length);
             memset(to + length, 0, size - length);
+        }
+    } else if (size == sizeof(float) && kind < COLUMN_COUNT) {
+        for (size_t i = 0; i < rows; i++, to += apart, from += step) {
+            double value;
+            memcpy(&value, from, sizeof value);
+            memcpy(to, &(float){(float)value}, sizeof(float));
         }
     } else if (size == 8) {
         COPY(8);

@@ -16,6 +16,7 @@ typedef enum table_format { TABLE_TEXT, TABLE_CSV, TABLE_JSON, TABLE_NPY } table
 typedef struct table_target {
     table_format format;
     const char *path;     /* NULL: standard output */
+    bool single;          /* NUMBER and ERROR are floats, and npy writes them so */
     bool nowhere;         /* what would be printed is of no use */
     size_t placed;        /* 0; or how many rows of npy there will be, which ranks write by table_place */
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
