@@ -49,6 +49,31 @@ static bool like_command(const char *word, command *c)
     return false;
 }
 
+/* What is asked for by another name, and the command line that does it; NULL: no such name is known. */
+static const char *does_it(const char *word)
+{
+    static const struct { const char *words, *line; } other[] = {
+        {"draw layout plot view show picture", "trace LENS --picture lens.svg"},
+        {"convert open load", "import FILE -o LENS"},
+        {"set change insert remove reverse scale", "edit LENS"},
+        {"paraxial seidel aberrations first-order", "info LENS --seidel"},
+        {"rayfan ray-fan", "fan LENS"},
+        {"wavefront zernike opl", "opd LENS"},
+        {"distortion astigmatism curvature", "field LENS"},
+        {"vignetting", "illumination LENS"},
+        {"montecarlo monte-carlo yield", "tolerance LENS --trials 1000"},
+        {"verify certify proof", "prove LENS"},
+        {"explain why debug", "diagnose LENS --ray 0"},
+        {"raytrace ray-trace rays", "trace LENS"},
+    };
+    for (size_t i = 0; i < sizeof other / sizeof *other; i++) {
+        const size_t length = strlen(word);
+        for (const char *at = other[i].words; *at; at += strcspn(at, " "), at += *at == ' ')
+            if (strcspn(at, " ") == length && strncmp(at, word, length) == 0) return other[i].line;
+    }
+    return NULL;
+}
+
 /* Can its rays be divided among machines? */
 static bool is_divided(const command *c)
 {
@@ -136,6 +161,8 @@ int main(int argc, char *argv[])
     }
     if (strchr(name, '.') || strchr(name, '/'))
         fail_usage("no such command: %s; a lens file comes behind a command: sagitta trace %s", name, name);
+    if (*name && does_it(name))
+        fail_usage("no such command: %s; it is: sagitta %s", name, does_it(name));
     if (*name && like_command(name, &c))
         fail_usage("no such command: %s; did you mean sagitta %s?", name, c.name);
     if (*name)

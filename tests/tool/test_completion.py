@@ -34,6 +34,8 @@ LINES = [('sagitta spo', 'sagitta spot '), ('sagitta illu', 'sagitta illuminatio
          ('sagitta spot --hexa', 'sagitta spot --hexapolar '), ('sagitta spot --proof esti', 'sagitta spot --proof estimate '),
          ('sagitta trace x --format np', 'sagitta trace x --format npy '),
          ('sagitta edit --scal', 'sagitta edit --scale '),
+         ('sagitta spot x --columns geo', 'sagitta spot x --columns geometric'),
+         ('sagitta trace x --columns opl,fat', 'sagitta trace x --columns opl,fate'),
          (f'sagitta trace {LENSES}/cooke_tr', f'sagitta trace {LENSES}/cooke_triplet.yaml ')]
 
 
@@ -97,6 +99,15 @@ def test_lines():
     print(f'{len(LINES)} lines each in {", ".join(shells)}')
 
 
+def test_types_of_surfaces():
+    """With the quotes and braces that a surface is written in, whether they were begun or not."""
+    for begun in ('toru', "'toru", "'{type: toru", '"{type: toru'):
+        # (The echo of `completed` takes single quotes away.)
+        double = '"' if begun[0] == '"' else ''
+        equal(completed('bash', f'sagitta intersect --surface {begun}').rstrip(),
+              f'sagitta intersect --surface {double}{{type: torus}}{double}', begun)
+
+
 def test_the_table():
     """Its options are those of --help all, and what it says of each is the first line there."""
     names = [line.split('\t')[0] for line in run('--help', 'options').stdout.splitlines()]
@@ -108,6 +119,17 @@ def test_the_table():
         equal(sorted(row[0] for row in rows), sorted(shown), name)
         for option, value, words, _ in rows:
             assert (value == '-') <= (words == '-'), (name, option)
+
+
+def test_columns():
+    """The names that are offered are those that --help all explains; of a lens file's analysis, with their views."""
+    for name in ('intersect', 'trace', 'spot', 'opd', 'prove', 'sweep'):
+        [words] = [line.split('\t')[2] for line in run(name, '--help', 'options').stdout.splitlines() if line.startswith('--columns')]
+        told = set()
+        for part in re.findall(r'^Columns[^\n]*\n(.*?)\n(?:\n|[A-Z])', run(name, '--help', 'all').stdout, re.M | re.S):
+            for names in re.findall(r'^  (\S(?:[^ ]| (?! ))*)  ', part, re.M):
+                told |= {word for word in names.split(', ') if not word.startswith('...')}
+        equal(set(words.split()), told, name)
 
 
 if __name__ == '__main__':

@@ -553,10 +553,96 @@ def ended(arguments, how):
     return done.returncode, done.stderr
 
 
+# What people ask for by other names, and what the answer has to name.  LENS: that of GOOD; SURFACE=...: a ray at that surface.
+NAMED = [
+    ('surfaces by other names', [(('SURFACE={type: %s}' % name,), BAD_INPUT, words) for name, words in (
+        ('spherical', 'write sphere'), ('Asphere', 'write even_asphere'), ('mirror', 'mirror: true'), ('wgs84', '{type: geodetic_height}'),
+        ('paraxial', 'type: ideal'), ('gyroid', 'type: formula'), ('STANDARD', 'sphere, or conic'), ('sphare', 'did you mean sphere?'))]),
+    ('keys by other names', [(('SURFACE={type: conic, %s: 1}' % key,), BAD_INPUT, f'did you mean {meant}?') for key, meant in (
+        ('diameter', 'semi_diameter'), ('r', 'radius'), ('k', 'conic'), ('ROC', 'radius'))]),
+    ('keys of a lens', [(('trace', ('index: 1.5', 'n: 1.5')), BAD_INPUT, 'did you mean index?'),
+                        (('trace', ('pupil: {semi_diameter: 1}', 'aperture: 2')), BAD_INPUT, 'did you mean pupil?'),
+                        (('trace', ('index: 1.5', 'index: BK7')), BAD_INPUT, 'a glass by its name is `glass`'),
+                        (('trace', ('index: 1.5', 'index: 1x')), BAD_INPUT, 'must be a number, not "1x"')]),
+    ('paths', [(('edit', 'LENS', '--set', 'surface[1].radius=3'), BAD_INPUT, 'did you mean surfaces?'),
+               (('edit', 'LENS', '--set', 'zebra[1].radius=3'), BAD_INPUT, 'zebra is not given\n')]),
+    ('units', [(('trace', 'LENS', '--wavelength', '550'), USAGE, 'write micrometres, with a point: 0.5500'),
+               (('trace', 'LENS', '--wavelength', '3'), USAGE, 'has 2 wavelengths\n')]),
+    ('options', [(('spot', 'LENS', '--plot', 'a.svg'), USAGE, 'Did you mean --picture?'), (('trace', 'LENS', '--csv'), USAGE, 'Did you mean --format csv?'),
+                 (('edit', 'LENS', '--thickness', '3'), USAGE, 'Did you mean --set surfaces[N].thickness=VALUE?'), (('trace', 'LENS', '--zebra'), USAGE, "'--zebra'\nTry:")]),
+    ('places', [(('intersect', '--surface', '{type: sphere, radius: 1}', '--from', '1 2 3', '--look', '1 2'), USAGE, '{type: geodetic_height}'),
+                (('intersect', '--surface', '{type: plane}', '--rays', 'X,oy'), BAD_INPUT, 'did you mean ox?'),
+                (('intersect', '--surface', '{type: plane}', '--rays', '# mine'), BAD_INPUT, 'comments are not read')]),
+    ('tolerances', [(('tolerance', 'LENS'), BAD_INPUT, 'tolerances: [{surface: 1, radius: 0.02}]')]),
+]
+
+
+def test_what_is_meant_is_named():
+    lens = written(GOOD)
+    for what, asked in NAMED:
+        for arguments, status, words in asked:
+            if arguments[0].startswith('SURFACE='):
+                arguments = ('intersect', '--surface', arguments[0][8:], *RAY)
+            arguments = [written(GOOD.replace(*a, 1)) if isinstance(a, tuple) else lens if a == 'LENS' else a for a in arguments]
+            if '--rays' in arguments:
+                arguments[-1] = written(arguments[-1] + '\n', 'rays.csv')
+            said = run(*arguments, exit=status).stderr
+            assert words in said, f'{what}: {arguments}: {said}'
+
+
+def test_the_tolerances_that_are_named_are_read():
+    said = run('tolerance', written(GOOD), exit=BAD_INPUT).stderr
+    run('tolerance', written(GOOD + re.search(r'tolerances: \[.*?\]', said)[0]))
+
+
+def test_columns_of_places():
+    if 'geoid' not in run('intersect', '--surface', '{type: zebra}', *RAY, exit=BAD_INPUT).stderr.split('there are:')[1]:
+        return  # built without GeographicLib
+    for name, meant in (('latitude', 'lat'), ('Lat', 'lat'), ('altitude', 'height'), ('azimuth', 'az')):
+        said = run('intersect', '--surface', '{type: geodetic_height}', '--rays', written(f'{name},lon\n', 'rays.csv'), exit=BAD_INPUT).stderr
+        assert f'did you mean {meant}?' in said and 'lat, lon, height, az, el' in said, said
+
+
+def test_other_programs_files_are_not_written():
+    """A lens file under another program's name; and edit -o of the file that it read would lose it."""
+    lens = written(GOOD)
+    for name in ('a.zmx', 'A.SEQ', 'a.len'):
+        for arguments in (('edit', lens, '-o'), ('import', lens, '-o'), ('tolerance', lens, '--trials', 2, '--worst')):
+            path = lens.parent / name
+            path.write_text('kept')
+            said = run(*arguments, path, exit=USAGE).stderr
+            assert 'end the name in .yaml' in said, said
+            equal(path.read_text(), 'kept', (name, arguments))
+
+
+def test_oslo():
+    for name in ('a.len', 'a.txt', 'a.seq'):
+        said = run('spot', written('// OSLO 6.1    40190     0 46208\nLEN NEW "x" 100.6 11\n', name), exit=BAD_INPUT).stderr
+        assert 'an OSLO file is not read' in said, said
+
+
+def test_chief_ray_that_fails():
+    """The command that shows why runs, of a field by number and by angle."""
+    lens = written(GOOD.replace('fields: [0]', 'fields: [0, 80]').replace('radius: 10', 'radius: 10, semi_diameter: 1'))
+    for more in ((), ('--field', '80')):
+        said = run('spot', lens, *more).stderr
+        [line] = re.findall(r'^sagitta: sagitta (diagnose .*) shows why$', said, re.MULTILINE)
+        assert 'clipped' in run(*shlex.split(line)).stdout or 'missed' in run(*shlex.split(line)).stdout, line
+
+
+def test_legend_of_the_columns_shown():
+    whole = run('intersect', '--surface', '{type: plane}', *RAY).stdout
+    assert "t, t_err: in lengths of the ray's direction.  x y z: the point" in whole and 'evals: ' in whole, whole
+    some = run('intersect', '--surface', '{type: plane}', *RAY, '--columns', 'status,nx').stdout
+    assert 'nx ny nz: ' in some and 't, t_err' not in some and 'evals' not in some, some
+    assert 'sampling: ' in run('spot', written(GOOD)).stdout
+
+
 def test_no_such_command():
     """The next command is named: that which is a letter away, or what a lens file comes behind."""
     for word, said in (('tarce', 'did you mean sagitta trace?'), ('spo', 'did you mean sagitta spot?'),
-                       ('lens.yaml', 'sagitta trace lens.yaml'), ('render', 'sagitta --help lists them')):
+                       ('lens.yaml', 'sagitta trace lens.yaml'), ('layout', 'it is: sagitta trace LENS --picture lens.svg'),
+                       ('seidel', 'it is: sagitta info LENS --seidel'), ('render', 'sagitta --help lists them')):
         done = run(word, exit=USAGE)
         assert said in done.stderr, (word, done.stderr)
 

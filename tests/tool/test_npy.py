@@ -352,6 +352,7 @@ def test_hostile_arrays():
         (array(out(), several, plain, '<6d', shape='(-50, 6)'), 'whole number'),
         (array(out(), several, "'|O'", '<6d'), 'whole number'), (array(out(), several, '[]', '<6d'), 'without a byte'),
         (array(out(), several, one.replace('dz', 'ez'), '<6d'), 'ez: unknown column'),
+        (array(out(), several, one.replace('dz', 'lat'), '<6d'), 'lat: unknown column; places are read from csv'),
         (array(out(), several, one.replace('dz', 'dy'), '<6d'), 'dy: this column is given twice'),
         (array(out(), several, one[:-len(", ('dz', '<f8')]")] + ']', '<6d', shape='(60,)'), 'dz: this column is missing'),
         (array(out(), several, "[('ox', '<f8', (6,))]", '<6d'), 'itself an array'),

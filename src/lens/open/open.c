@@ -16,6 +16,11 @@
 /* Other programs' files of lenses, which would be told what YAML they are not. */
 static void refuse_other_formats(source *s, const char *name)
 {
+    reader r = {.at = s->text, .end = s->text + s->length};
+    piece line;
+    if (sgt_reader_line(&r, &line) && sgt_reader_is(sgt_reader_word(&line), "//") &&
+        sgt_reader_is(sgt_reader_word(&line), "OSLO"))
+        tree_fail(s, 1, NULL, "an OSLO file is not read; a lens file in YAML, .zmx and .seq are");
     static const char *const others[][2] = {
         {".len", "an OSLO or CODE V"}, {".zar", "an OpticStudio archive"},
         {".zos", "an OpticStudio session"}, {".zprj", "an OpticStudio project"}};
@@ -122,7 +127,8 @@ static void read_into(lens_maker make, whole_lens *w, source *s, const char *nam
     }
     s->text = text, s->length = length;
     void (*read)(source *s) = make == sgt_read_lens ? reader_of(s, name) : sgt_read_yaml;
-    if (make == sgt_read_lens && read == sgt_read_yaml) refuse_other_formats(s, name);
+    if (make == sgt_read_lens && read != sgt_read_zmx)
+        refuse_other_formats(s, read == sgt_read_yaml ? name : "");
     if (read == sgt_read_yaml) read(s);
     else read_other(s, read);
     w->make = make;

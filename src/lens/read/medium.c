@@ -270,7 +270,8 @@ double sgt_medium_index(const medium *m, const sgt_lens *lens, double um, double
     }
     double index = isnan(um) ? (double)NAN : sgt_glass_index(m->glass, um);
     if (isnan(um))
-        snprintf(why, WHY_SIZE, "needs a wavelength: the file gives no wavelengths, and none was asked for");
+        snprintf(why, WHY_SIZE, "needs a wavelength: the file gives no wavelengths, as [0.5876] in "
+                 "micrometres, and none was asked for");
     else if (isnan(index))
         snprintf(why, WHY_SIZE, "%s has no index at %g micrometres", m->glass->name, um);
     return index;

@@ -9,6 +9,7 @@
 #include "path.h"
 
 #include "../../text/number.h"
+#include "../base/reader.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -151,6 +152,21 @@ static bool find_key(node *map, const path_step *step, spot *out)
     return false;
 }
 
+/* The key of a map that is most like one that it has not; NULL: none is like it. */
+static const char *nearest_key(const node *map, const path_step *step)
+{
+    const char *near = NULL;
+    size_t least = step->length / 3 + 1;
+    for (size_t i = 0; i < map->count; i++) {
+        const node *k = map->key[i];
+        if (k->kind != NODE_SCALAR) continue;
+        const piece key = {k->text, k->text + strlen(k->text)};
+        const size_t apart = sgt_reader_distance((piece){step->text, step->text + step->length}, key);
+        if (apart < least) near = k->text, least = apart;
+    }
+    return near;
+}
+
 bool sgt_path_find(node *root, const way *p, size_t count, spot *out, char why[PATH_WHY])
 {
     *out = (spot){.is = root};
@@ -182,8 +198,9 @@ bool sgt_path_find(node *root, const way *p, size_t count, spot *out, char why[P
             return false;
         }
         if (!find_key(in, &key, out) && i + 1 < count) {
-            snprintf(why, PATH_WHY, "%.*s is not given", step->length < 60 ? (int)step->length : 60,
-                     step->text);
+            const char *near = nearest_key(in, step);
+            snprintf(why, PATH_WHY, "%.*s is not given%s%.60s%s", step->length < 60 ? (int)step->length : 60,
+                     step->text, near ? "; did you mean " : "", near ? near : "", near ? "?" : "");
             return false;
         }
     }

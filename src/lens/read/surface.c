@@ -90,6 +90,40 @@ static void check_keys(source *s, const node *map, const sgt_builtin *type, surf
     tree_finish(s, map, text);
 }
 
+/* What a surface is called elsewhere, in lower case, and what to write here; NULL: no such name is known. */
+static const char *other_name(const char *name)
+{
+    static const struct { const char *names, *words; } other[] = {
+        {" mirror ", "a mirror is a surface of any type, as {type: sphere, radius: -100, mirror: true}"},
+        {" spherical ", "write sphere"},
+        {" flat planar ", "write plane"},
+        {" standard ", "write sphere, or conic"},
+        {" parabola paraboloid parabolic hyperbola hyperboloid ellipse ellipsoidal conicoid ",
+         "write conic, with `radius` and `conic`"},
+        {" asphere aspheric aspherical evenasph ", "write even_asphere, or odd_asphere"},
+        {" freeform xy polynomial xpolynom ", "write polynomial_xy, chebyshev or zernike"},
+        {" cylindrical ", "write cylinder"},
+        {" lens thin_lens thinlens paraxial perfect ", "an ideal lens is {type: ideal, focal_length: 50}"},
+        {" stop aperture ", "a stop is a surface of any type, as {type: plane, stop: true}"},
+        {" image object ", "it is a plane; the object is a key of the lens, object: {distance: 100}"},
+        {" coordbrk coordinate_break ", "write break"},
+        {" wgs84 earth globe ", "WGS84's ellipsoid is {type: geodetic_height}"},
+        {" implicit equation gyroid sdf ",
+         "any F(x, y, z) = 0 is {type: formula, f: \"...\"}, docs/formula.md"},
+    };
+    char word[34];
+    const size_t length = strlen(name);
+    if (length + 3 > sizeof word) return NULL;
+    word[0] = word[length + 1] = ' ', word[length + 2] = 0;
+    for (size_t i = 0; i < length; i++) {
+        if (name[i] == ' ') return NULL;
+        word[i + 1] = sgt_lower(name[i]);
+    }
+    for (size_t i = 0; length && i < sizeof other / sizeof *other; i++)
+        if (strstr(other[i].names, word)) return other[i].words;
+    return NULL;
+}
+
 static const sgt_builtin *type_of(source *s, const node *map)
 {
     const node *n = tree_take(map, "type");
@@ -114,6 +148,9 @@ static const sgt_builtin *type_of(source *s, const node *map)
                       "%s: not available; it is one of sagitta_geo, which needs GeographicLib.  Install "
                       "libgeographiclib-dev (for a geoid proj-data, too), then meson setup --reconfigure and "
                       "build again", name);
+    const char *const meant = other_name(name);
+    if (meant)
+        tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s", name, meant);
     const char *near = "", *words = "";
     size_t least = strlen(name) / 3 + 1;
     for (const sgt_builtin *b = sgt_builtins(); b->type; b++) {

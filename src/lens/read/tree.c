@@ -312,13 +312,40 @@ static piece nearest_word(const char *key, const char *known)
     return near;
 }
 
+/* The word of the list by which a lens file says what other programs, and people, say by this key. */
+static piece usual_word(const char *key, const char *known)
+{
+    static const char *const usual[][2] = {
+        {"n", "index"}, {"ior", "index"}, {"refractive_index", "index"}, {"material", "glass"},
+        {"medium", "glass"}, {"r", "radius"}, {"roc", "radius"}, {"radius_of_curvature", "radius"},
+        {"c", "curvature"}, {"k", "conic"}, {"kappa", "conic"}, {"conic_constant", "conic"},
+        {"distance", "thickness"}, {"d", "thickness"}, {"t", "thickness"}, {"diameter", "semi_diameter"},
+        {"aperture", "pupil"}, {"epd", "pupil"},
+        {"entrance_pupil", "pupil"}, {"height", "h"}, {"altitude", "h"}, {"angles", "fields"},
+        {"field_of_view", "fields"}, {"elements", "surfaces"}, {"system", "surfaces"},
+        {"title", "name"}, {"f", "focal_length"}, {"focal", "focal_length"},
+        {"order", "orders"}, {"tilt_x", "tilt"}, {"decenter_x", "decenter"}, {"reflective", "mirror"}};
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++) {
+        const size_t length = strlen(usual[i][1]);
+        const piece own = {key, key + strlen(key)}, other = {usual[i][0], usual[i][0] + strlen(usual[i][0])};
+        if (sgt_reader_distance(own, other) > 0) continue;
+        for (const char *at = known; *at;) {
+            const size_t word = strcspn(at, ", ;");
+            if (word == length && memcmp(at, usual[i][1], length) == 0) return (piece){at, at + word};
+            at += word + strspn(at + word, ", ;");
+        }
+    }
+    return (piece){NULL, NULL};
+}
+
 void tree_finish(source *s, const node *map, const char *known)
 {
     for (size_t i = 0; i < map->count; i++)
         if (!map->taken[i]) {
             const char *key = map->key[i]->text;
             bool digits = *key && key[strspn(key, "0123456789")] == 0; /* {radius: 51,68} */
-            const piece near = nearest_word(key, known);
+            piece near = usual_word(key, known);
+            if (!near.begin) near = nearest_word(key, known);
             if (near.begin)
                 tree_fail(s, map->key[i]->line, key, "unknown key; did you mean %.*s?  Known here: %s",
                           (int)(near.end - near.begin), near.begin, known);
@@ -352,6 +379,10 @@ double tree_read_number(source *s, const node *n, const char *key, number_range 
     /* an infinity may be quoted, since JSON can write it only as a string */
     if (good && n->quoted && !isinf(value))
         tree_fail(s, n->line, key, "must be a number without quotes, not \"%.60s\"", n->text);
+    const char first = sgt_lower(*n->text);
+    if (!good && strcmp(key, "index") == 0 && first >= 'a' && first <= 'z')
+        tree_fail(s, n->line, key, "must be a number, not \"%.60s\"; a glass by its name is `glass`",
+                  n->text);
     if (!good)
         tree_fail(s, n->line, key, "must be a number, not \"%.60s\"%s", n->text, number_hint(n));
     if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))

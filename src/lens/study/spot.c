@@ -456,6 +456,9 @@ static bool ask_spot(sgt_asking *a)
     sgt_ask_say(a, SGT_STUDY_LEGEND, "rms, geometric: %sabout %s.  airy: radius.",
                 a->lens->afocal ? "angles " : "",
                 w.centroid ? "the centroid" : "the chief ray of the primary wavelength");
+    sgt_ask_say(a, SGT_STUDY_LEGEND,
+                "digits: of rms, certain in spite of rounding.  sampling: rms less that of half as many rays "
+                "across.");
     return true;
 }
 

@@ -25,7 +25,9 @@ static void say_missed_set(saying *to, sgt_surface s, const sgt_ray *ray)
     sgt_span span = s.ops->span(s.self, ray);
     if (span.lo > span.hi) sgt_say(to, "it passes beside %s", what);
     else if (span.hi < ray->tmin || span.lo > sgt_end_of(ray))
-        sgt_say(to, "it reaches %s only outside tmin ... tmax", what);
+        sgt_say(to, "it reaches %s only %soutside tmin ... tmax%s", what,
+                span.hi < ray->tmin && ray->tmin == 0 ? "behind its start (" : "",
+                span.hi < ray->tmin && ray->tmin == 0 ? ")" : "");
 }
 
 /* On the whole quadric A t^2 - 2 B t + C = 0.  Its sheet is where (1 + k) c z < 1. */

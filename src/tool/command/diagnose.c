@@ -310,6 +310,7 @@ static bool diagnose_alone(const diagnose_arguments *a)
     sgt_surface surface;
     sgt_hit hit;
     if (a->function) {
+        explain_a_function();
         surface = function_read(a->function), ray = bracket_read(a->bracket);
         if (!(isnan(a->start) || (a->start >= ray.tmin && a->start <= ray.tmax)))
             fail_usage("--start %g is not within --bracket", a->start);

@@ -102,6 +102,16 @@ static const char *root_text(const sgt_hit *hit)
                         hit->t_err > 0 ? memory_print("at most %.2g off", hit->t_err) : "exactly");
 }
 
+static bool of_function;
+
+void explain_a_function(void) { of_function = true; }
+
+static const char *miss_words(void)
+{
+    return of_function ? "miss: the function certainly has no root there."
+                       : "miss: the ray certainly does not meet the surface.";
+}
+
 const char explain_fast[] =
     "Searched in steps of --dt-min or more: thin parts may have been skipped.  Without --dt-min, no part is.";
 
@@ -117,7 +127,7 @@ const char *explain_proof(const sgt_options *asked, bool near_seed, bool several
 static void answer(table *t, const sgt_search *s, double condition, bool told)
 {
     const sgt_hit *hit = s->hit;
-    if (hit->status == SGT_MISS) table_line(t, "miss: the ray certainly does not meet the surface.");
+    if (hit->status == SGT_MISS) table_line(t, "%s", miss_words());
     if (hit->status < 0 && !told) options_say_undecided(t, "", s);
     if (hit->status <= 0) return;
     const char *root = root_text(hit);
@@ -126,7 +136,9 @@ static void answer(table *t, const sgt_search *s, double condition, bool told)
                proven ? explain_proof(s->options, s->near_seed, false) : "");
     if (isfinite(condition))
         table_line(t, "Condition: an error in F moves t by %.3g times as much%s.", condition,
-                   condition > 100 ? "; the ray grazes" : "");
+                   condition <= 100 ? ""
+                   : of_function    ? "; the root is nearly a double one"
+                                    : "; the ray grazes");
 }
 
 /* Explains rows that do not show F at a t. */
@@ -206,7 +218,7 @@ void explain_bare(table *t, method m, const record *r, const unguarded *end, con
                                r->count == 1 ? "" : "s", end->stopped);
     else table_line(t, "Settled at t = %s.", place);
     if (hit->status == SGT_MISS) {
-        table_line(t, "The library's answer: miss: the ray certainly does not meet the surface.");
+        table_line(t, "The library's answer: %s", miss_words());
     } else if (hit->status < 0) {
         options_say_undecided(t, "The library's answer: ", s);
     } else {

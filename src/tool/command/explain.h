@@ -26,6 +26,9 @@ bool explain_agrees(double t, const sgt_search *s);
 /* What an answer under --dt-min does not claim. */
 extern const char explain_fast[];
 
+/* From here on the words are about a function and its roots, and not about a ray and a surface. */
+void explain_a_function(void);
+
 /* What the requested proof says of one hit, or of several: "proven to be the first". */
 const char *explain_proof(const sgt_options *asked, bool near_seed, bool several);
 

@@ -37,6 +37,7 @@ static exit_status import_run(const command *c, int argc, char *argv[])
     shared_options shared = {.threads = 0};
     job_options asked = {.lens = NULL};
     command_read(c, NULL, &asked, &shared, argc, argv);
+    lens_write_check("output", shared.target.path);
     lens_write(lens_open_whole(command_file(c, "file", argc, argv)), shared.target.path);
     return EXIT_DECIDED;
 }

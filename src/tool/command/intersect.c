@@ -18,13 +18,32 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Under the table for people: what has a unit. */
-static const char intersect_legend[] =
-    "t, t_err: in lengths of the ray's direction.  x y z: the point, in the unit of the surface.\n"
-    "nx ny nz: the gradient of F there.  evals: evaluations of F.\n";
+/* Under the table for people: what has a unit.  Of the columns that are shown; a line has two at most. */
+static const struct { const char *columns, *words; int line; } legend[] = {
+    {" t t_err ", "t, t_err: in lengths of the ray's direction.", 0},
+    {" x y z ", "x y z: the point, in the unit of the surface.", 0},
+    {" nx ny nz ", "nx ny nz: the gradient of F there.", 1},
+    {" evals ", "evals: evaluations of F.", 1},
+    {" lat lon height ",
+     "lat, lon: degrees north and east.  height: metres over the ellipsoid (a geoid lies N over it).", 2},
+};
 
-static const char earth_legend[] =
-    "lat, lon: degrees north and east.  height: metres over the ellipsoid (a geoid lies N over it).\n";
+/* asked: the columns with commas between, NULL: all.  The last entry is for places on the Earth. */
+static const char *legend_of(const char *asked, bool earth)
+{
+    const char *text = "";
+    int line = -1;
+    for (size_t i = 0; i < sizeof legend / sizeof *legend - (earth ? 0 : 1); i++) {
+        bool shown = !asked;
+        for (const char *at = asked; at && *at; at += strcspn(at, ","), at += *at == ',')
+            if (strstr(legend[i].columns, memory_print(" %.*s ", (int)strcspn(at, ","), at))) shown = true;
+        if (!shown) continue;
+        const char *between = line < 0 ? "" : line == legend[i].line ? "  " : "\n";
+        text = memory_print("%s%s%s", text, between, legend[i].words);
+        line = legend[i].line;
+    }
+    return line < 0 ? "" : memory_print("%s\n", text);
+}
 
 static const column intersect_head[] = {
     {"ray", COLUMN_COUNT}, {"root", COLUMN_INTEGER}, {"status", COLUMN_CODE},
@@ -140,16 +159,23 @@ static const char intersect_all[] =
     "  lat, lon, height   on a surface about the Earth: degrees north, degrees east (above -180 and\n"
     "                     up to 180), metres over the ellipsoid, that of the surface or WGS84\n";
 
+static const char *intersect_words(const void *context)
+{
+    (void)context;
+    return "ray root status t t_err x y z nx ny nz evals id lo hi lat lon height";
+}
+
 const command command_intersect = {
     .name = "intersect", .usage = "--surface SPEC (--rays FILE | --ray \"ox oy oz dx dy dz\") [options]",
     .brief = "one surface, many rays",
     .what = "Where do rays meet a surface F(x, y, z) = 0?  Prints a row for each ray; with --all, for "
             "each root. Lengths have any unit; the surface and the rays share it.  A root is accepted "
             "if it lies between tmin and tmax and within semi_diameter, and is not the ray's own start.",
-    .often = "surface ray rays all proof pick columns format output",
+    .often = "surface ray rays from look all proof pick columns format output",
     .examples = "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
                 "  sagitta intersect --surface '{type: conic, radius: 20, conic: -1}' --rays FILE --all\n",
     .docs = "docs/tour.md, docs/lens_file_surfaces.md (every type of surface)", .all = intersect_all,
+    .columns = intersect_words,
     .group = {&intersect_own, &intersect_search, &options_solver, &options_in_threads, &options_shards,
               &options_rows},
     .run = intersect_run,
@@ -557,8 +583,8 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     column columns[COLUMNS_MOST];
     w.earth = earth_rays(w.surface, &a.rays, &w.over);
     if (a.rays.places)
-        fail_usage("a place (--from, lat) needs a surface about the Earth: geodetic_height, level_gravity, "
-                   "geoid");
+        fail_usage("a place (--from, lat) needs a surface about the Earth: '{type: geodetic_height}' is the "
+                   "ellipsoid of WGS84; or level_gravity, geoid");
     if (a.single && w.earth)
         fail_usage("--single: not about the Earth; in single precision a place is known to half a metre");
     if (a.single) check_singles(&a);
@@ -585,7 +611,7 @@ static exit_status intersect_run(const command *c, int argc, char *argv[])
     if (shard_is()) return EXIT_DECIDED;
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
-        if (w.rays) table_line(w.table, "%s%s", intersect_legend, w.earth ? earth_legend : "");
+        if (w.rays) table_line(w.table, "%s", legend_of(a.shared.target.columns, w.earth));
         if (w.found.any_missed)
             explain_miss(w.table, w.found.missed.number, w.surface, &w.found.missed.ray);
         write_undecided(&w);

@@ -67,15 +67,6 @@ static void check_prove(look *l)
 
 /* ------------------------------------------------------------------------ limits */
 
-static const char *field_of_row(const look *l, size_t number)
-{
-    const size_t f = look_field_of(l, number);
-    const sgt_lens_field *at = &l->fields.at[f];
-    if (!l->job.fields) return memory_print("--fields %zu", number);
-    if (l->fields.kind == SGT_FIELD_ANGLE && at->x == 0) return memory_print("--field %.17g", at->y);
-    return memory_print("--field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(l->fields.kind));
-}
-
 static const char *wavelength_um(double um)
 {
     if (isnan(um)) return "";
@@ -155,7 +146,7 @@ static void say_broken(const look *l, const sgt_prove_limit_row *r)
     table_line(l->table,
                "Limit %zu is broken by this ray, of %.6g:\n    sagitta diagnose %s %s%s --pupil "
                          "\"%.17g %.17g\"%s", r->limit, r->seen, quoted_lens(l),
-               field_of_row(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py, again_of(l));
+               look_field_words(l, r->field), wavelength_of_row(l, r->wavelength), r->px, r->py, again_of(l));
 }
 
 /* The first ray that breaks each limit, and how many hold. */

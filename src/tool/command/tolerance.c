@@ -475,12 +475,16 @@ static exit_status tolerance_of_lens(tolerating *w)
     int threads;
     const job_points_asked points = job_points_of(&l->job, l->of->pattern);
     const sgt_study_options study = look_study(l, &points, &threads);
+    lens_write_check("worst", w->own.worst);
     if (w->own.worst) output_reserve("worst", w->own.worst);
     if (l->picture) output_reserve("picture", l->picture);
     w->lens = l->primary.of;
     w->count = sgt_lens_tolerances(w->lens, &w->entry);
     if (!w->count)
-        lens_fail(&l->primary, "tolerances", "missing; a list of what may be off (docs/tolerance.md)");
+        lens_fail(&l->primary, "tolerances",
+                  "missing; a list of what may be off, as tolerances: [{surface: 1, radius: 0.02}] "
+                  "(docs/tolerance.md), in a lens file: sagitta import FILE -o LENS makes one of .zmx "
+                  "and .seq");
     w->unit = w->own.figure == SGT_TOLERANCING_OPD ? "waves" : w->lens->afocal ? "mrad" : w->lens->units;
     const sgt_tolerancing_options options = {
         .figure = (sgt_tolerancing_figure)w->own.figure, .study = &study, .reference = w->own.reference};

@@ -121,6 +121,12 @@ static const char trace_all[] =
     "            thickness (to the next vertex), index or glass (of the medium behind it),\n"
     "            mirror, stop, decenter and tilt: [x, y, z]; or origin and tilt in every surface\n";
 
+static const char *trace_words(const void *context)
+{
+    (void)context;
+    return "ray element fate status x y z l m n t t_err opl evals field wavelength px py id lo hi";
+}
+
 const command command_trace = {
     .name = "trace", .usage = "LENS [options]", .brief = "rays through a lens file, surface by surface",
     .what = "Traces rays through a lens file.  Prints a row for each ray and each element it reached: "
@@ -131,6 +137,7 @@ const command command_trace = {
     .examples = "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n"
                 "  sagitta trace examples/lenses/cooke_triplet.yaml --fan 7 --picture triplet.svg\n",
     .docs = "docs/lens_file.md (every key of a lens file), docs/rays.md", .all = trace_all,
+    .columns = trace_words,
     .group = {&trace_own, &trace_pictures, JOB_GROUPS,
               &trace_search, &options_solver, &options_in_threads, &options_shards, &options_rows},
     .run = trace_run,

@@ -17,6 +17,18 @@ _sagitta()
         names+=" $name"
         [[ $name == "$before" ]] || continue
         [[ $name == --help ]] && words="all options"
+        if [[ $name == --columns && $words != - ]]; then # a list with commas
+            compopt -o nospace
+            [[ $word == *,* ]] && rest=${word%,*}, || rest=""
+            mapfile -t COMPREPLY < <(compgen -P "$rest" -W "$words" -- "${word##*,}")
+            return
+        fi
+        if [[ $name == --surface && $words != - ]]; then # a type, in a map and in quotes
+            rest=${word#[\'\"]} rest=${rest#"{type: "}
+            mapfile -t COMPREPLY < <(for name in $(compgen -W "$words" -- "$rest"); do
+                [[ $word == [\'\"]* ]] && echo "{type: $name}" || echo "'{type: $name}'"; done)
+            return
+        fi
         if [[ $words != - ]]; then
             mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
             return

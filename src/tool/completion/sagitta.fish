@@ -21,6 +21,15 @@ function __sagitta_words
         set -l field (string split \t -- $row)
         test "$field[1]" = "$before"; or continue
         test "$before" = --help; and set field[3] "all options"
+        if test "$before" = --columns; and test "$field[3]" != - # a list with commas
+            set -l begun (string match -r '^.*,' -- (commandline -ct))
+            printf '%s\n' "$begun"(string split ' ' -- $field[3])
+            return
+        end
+        if test "$before" = --surface; and test "$field[3]" != - # a type, in a map
+            printf '{type: %s}\n' (string split ' ' -- $field[3])
+            return
+        end
         if test "$field[3]" != -
             string split ' ' -- $field[3]
             return

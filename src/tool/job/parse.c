@@ -134,15 +134,28 @@ static void print_all(const command *c)
                                                       "  3  bad input, or output that cannot be written\n");
 }
 
+/* The types of surfaces, with blanks between. */
+static const char *type_words(void)
+{
+    const char *text = "";
+    for (const sgt_builtin *b = sgt_builtins(); b->type; b++)
+        text = memory_print("%s%s%s", text, *text ? " " : "", b->type);
+    return memory_print("%s formula", text);
+}
+
 /* For programs: name, value, its words, help, with tabs between; "-": none. */
 static void print_table(const command *c)
 {
     for (size_t i = 0;; i++) {
         const option_group *g = group_at(c, i);
-        for (const option_row *r = g->row; r->name && !g->hidden; r++)
+        for (const option_row *r = g->row; r->name && !g->hidden; r++) {
+            const bool columns = c->columns && strcmp(r->name, "columns") == 0;
+            const bool types = r->value && strcmp(r->name, "surface") == 0 && strcmp(r->value, "SPEC") == 0;
+            const char *words = columns ? c->columns(c->context) : types ? type_words() : r->words;
             if (r->kind != OPTION_REFUSED)
-                printf("--%s\t%s\t%s\t%.*s\n", r->name, r->value ? r->value : "-", r->words ? r->words : "-",
+                printf("--%s\t%s\t%s\t%.*s\n", r->name, r->value ? r->value : "-", words ? words : "-",
                        (int)strcspn(r->help, "\n"), r->help);
+        }
         if (g == &help_group) print_and_end("%s", "");
     }
 }
@@ -252,11 +265,38 @@ static void keep_option(const option_row *r, const char *value)
     keep_argument(r->value ? memory_print("--%s=%s", r->name, value) : memory_print("--%s", r->name));
 }
 
+/* The option that does what another name asks for, and what to write behind it; NULL: no such name is
+ * known. */
+static const char *usual_option(const char *word, const struct option known[])
+{
+    static const struct { const char *words, *option; } usual[] = {
+        {" plot draw image svg png pdf figure-file graph chart ", "picture"},
+        {" csv json npy ", "format"}, {" lambda wl wave wavelength-um nm ", "wavelength"},
+        {" jobs cores parallel cpus ", "threads"}, {" angle fov ", "field"},
+        {" out file save ", "output"}, {" refocus focus shift ", "defocus"},
+        {" rings ", "hexapolar"}, {" nrays number rays-number ", "grid"},
+        {" thickness radius curvature conic glass-name index semi_diameter semi-diameter coefficients "
+         "decenter tilt ", "set"},
+        {" lat place position location ", "from"}, {" az azimuth direction ", "look"},
+        {" prove certify certain ", "proof"}, {" monte-carlo montecarlo mc ", "trials"},
+    };
+    const char *own = memory_print(" %s ", word);
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
+        for (const struct option *k = known; strstr(usual[i].words, own) && k->name; k++)
+            if (strcmp(k->name, usual[i].option) == 0)
+                return strcmp(k->name, "set") == 0      ? memory_print("set surfaces[N].%s=VALUE", word)
+                       : strcmp(k->name, "format") == 0 ? memory_print("format %s", word)
+                                                        : k->name;
+    return NULL;
+}
+
 /* The option that was meant by "--feild", or "--feild=2"; NULL: none is a slip away. */
 static const char *meant(const char *argument, const struct option known[])
 {
     if (strncmp(argument, "--", 2) != 0) return NULL;
     const char *word = memory_text(argument + 2, strcspn(argument + 2, "="));
+    const char *usual = usual_option(word, known);
+    if (usual) return usual;
     for (; known->name; known++)
         if (fail_is_slip(word, known->name)) return known->name;
     return NULL;

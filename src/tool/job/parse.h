@@ -53,6 +53,7 @@ struct command {
     const char *docs;                 /* a page */
     const char *all;                  /* for --help all: the columns, and what else there is to say */
     void (*print_all)(const void *context); /* or what prints it; NULL: none */
+    const char *(*columns)(const void *context); /* their names, blanks between, for completion; NULL: none */
     const void *context;
     const char *exits;                /* the exit status; NULL: of rays */
     const option_group *group[COMMAND_GROUPS];

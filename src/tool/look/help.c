@@ -6,6 +6,7 @@
 #include "../base/bytes.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* What of an afocal lens the names of some columns end in. */
 static void print_afocal(const sgt_analysis *a, sgt_dimension of, const char *end, const char *what)
@@ -42,6 +43,21 @@ const char *look_default_rays(const sgt_analysis *a)
         [SGT_PATTERN_RANDOM] = "random", [SGT_PATTERN_SOBOL] = "sobol", [SGT_PATTERN_CELLS] = "cells",
         [SGT_PATTERN_CROSS] = "cross"};
     return memory_print("--%s %zu", name[a->pattern], a->rays);
+}
+
+const char *look_column_words(const void *context)
+{
+    const look_help *h = context;
+    const char *text = "";
+    const sgt_analysis *of = h->of;
+    const look_view *v = h->view;
+    for (; of; of = v && v->option ? sgt_analysis_named((v++)->analysis) : NULL)
+        for (size_t i = 0; i < of->columns; i++) {
+            const char *name = sgt_analysis_column(of, i)->name;
+            if (!strstr(memory_print(" %s ", text), memory_print(" %s ", name)))
+                text = memory_print("%s%s%s", text, *text ? " " : "", name);
+        }
+    return text;
 }
 
 void look_print_columns(const void *context)

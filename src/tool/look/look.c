@@ -245,7 +245,7 @@ static void take_options(look *l, const command *c, const look_way *way, int arg
     all.usage = "LENS [options]", all.what = l->of->help;
     if (!all.docs) all.docs = "docs/analysis.md";
     all.rays = l->of->no_rays ? NULL : rays_by_default(l->of, way->view);
-    all.print_all = look_print_columns, all.context = &columns;
+    all.print_all = look_print_columns, all.columns = look_column_words, all.context = &columns;
     const option_group *const groups[] = {
         &own, l->of->no_fields ? &job_no_fields : &job_fields_options,
         l->of->no_rays ? &job_no_pattern : &job_pattern_options, &job_no_file, &job_aim_options,
@@ -440,6 +440,7 @@ typedef struct printing {
     char *before;               /* the row before; NULL: none yet */
     const char **legend;
     size_t legends;
+    bool chief; /* a chief ray that does not get through was explained */
 } printing;
 
 static column head_of(const look *l, size_t i, char unit[32])
@@ -628,6 +629,11 @@ static void take_sentence(void *context, sgt_remark_of_study kind, const char *s
     if (p->look->step) return; /* it was said at the first */
     if (kind == SGT_STUDY_NOTE) {
         note("%s", sentence);
+        size_t number;
+        if (!p->chief && strstr(sentence, "the chief ray does not get through") &&
+            sscanf(sentence, "field %zu", &number) == 1)
+            note("sagitta diagnose %s %s --chief shows why", p->look->job.lens,
+                 look_field_words(p->look, number)), p->chief = true;
         return;
     }
     p->legend = memory_grow(p->legend, p->legends + 1, sizeof *p->legend);

@@ -107,6 +107,7 @@ const char *look_title(const look *l, const char *what);   /* "Cooke triplet: sp
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
 const char *look_fates_line(const look *l, const sgt_fates *f); /* "316 rays: 300 passed, 16 clipped" */
 const char *look_field_name(const look *l, size_t field);  /* "field 2: 14°" */
+const char *look_field_words(const look *l, size_t number); /* the option for it: "--fields 2" */
 size_t look_colour(const look *l, size_t band);            /* bluer where the wavelength is shorter */
 const char *look_wavelength_name(const look *l, size_t band); /* "0.5876 µm", or NULL */
 const char *look_field_axis(const look *l);                /* "field angle (degrees)" */
@@ -125,6 +126,7 @@ void look_draw_over(const look *l, const char *path, const char *figure);
 /* (help.c) Prints the columns: context is a look_help. */
 typedef struct look_help { const sgt_analysis *of; const look_view *view; } look_help;
 void look_print_columns(const void *context);
+const char *look_column_words(const void *context); /* their names, with blanks between */
 
 /* The rays by default, as an option: "--hexapolar 10". */
 const char *look_default_rays(const sgt_analysis *a);

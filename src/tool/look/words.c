@@ -71,6 +71,14 @@ static const char *lost_options(const look *l)
                                     : "");
 }
 
+const char *look_field_words(const look *l, size_t number)
+{
+    const sgt_lens_field *at = &l->fields.at[look_field_of(l, number)];
+    if (!l->job.fields) return memory_print("--fields %zu", number);
+    if (l->fields.kind == SGT_FIELD_ANGLE && at->x == 0) return memory_print("--field %.17g", at->y);
+    return memory_print("--field-at \"%.17g %.17g %s\"", at->x, at->y, job_field_kind(l->fields.kind));
+}
+
 void look_verdict(const look *l)
 {
     table *t = l->table;

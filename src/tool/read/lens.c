@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 _Noreturn void lens_refuse(const sgt_error *e)
 {
@@ -195,12 +196,19 @@ static void note_ranges(const lens *l)
 }
 
 /* Without its elements. */
+enum { NANOMETRES = 100 }; /* no lens has so many wavelengths: a slip of the unit */
+
 static lens lens_chosen(sgt_lens *of, lens_wavelength at)
 {
     lens l = {.of = of, .name = of->name, .units = of->units, .count = of->count, .surface = of->surface};
-    if (at.place > of->wavelengths)
-        fail_usage("--wavelength %zu: %s has %zu wavelength%s", at.place, of->file, of->wavelengths,
-                   of->wavelengths == 1 ? "" : "s");
+    if (at.place > of->wavelengths) {
+        const char *slip = "";
+        if (at.place >= NANOMETRES)
+            slip = memory_print("; for %zu nanometres write micrometres, with a point: %.4f", at.place,
+                                (double)at.place / 1000);
+        fail_usage("--wavelength %zu: %s has %zu wavelength%s%s", at.place, of->file, of->wavelengths,
+                   of->wavelengths == 1 ? "" : "s", slip);
+    }
     l.chosen = at.place || !isnan(at.um) ? at.place : of->primary + 1;
     l.wavelength = at.um;
     for (size_t i = 0; of->wavelength && i < of->wavelengths && !l.chosen; i++)
@@ -332,6 +340,16 @@ const char *lens_each_line(const lens_each *all)
         text = memory_print("%s%s %zu%s%s", text, i ? "," : "", i + 1, *all->name[i] ? " " : "",
                             all->name[i]);
     return memory_print("%s.", text);
+}
+
+void lens_write_check(const char *option, const char *path)
+{
+    static const char *const others[] = {".zmx", ".seq", ".zos", ".zar", ".len"};
+    const size_t length = path ? strlen(path) : 0;
+    for (size_t i = 0; i < sizeof others / sizeof *others && length > 4; i++)
+        if (strcasecmp(path + length - 4, others[i]) == 0)
+            fail_usage("--%s %s: what is written is a lens file, in YAML: end the name in .yaml", option,
+                       path);
 }
 
 void lens_write(sgt_lens *of, const char *path)

@@ -65,6 +65,9 @@ void lens_note_no_ranges(void); /* from now on */
 /* Writes it as a lens file (NULL: to standard output). */
 void lens_write(sgt_lens *of, const char *path);
 
+/* Before anything is read: refuses a name that is one of other programs' files.  path may be NULL. */
+void lens_write_check(const char *option, const char *path);
+
 /* The same of text; nothing is noted. */
 lens lens_of_text(const char *name, const char *text);
 

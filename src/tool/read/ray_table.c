@@ -74,8 +74,10 @@ static int column_named(const array *file, const char *name, size_t length)
 {
     for (int c = 0; c < RAY_COLUMNS; c++)
         if (strncmp(ray_column_name[c], name, length) == 0 && !ray_column_name[c][length]) return c;
-    fail_input("%s: %.*s: unknown column; known columns: ox, oy, oz, dx, dy, dz, tmin, tmax, id",
-               file ? file->path : "--rays", (int)length, name);
+    const bool place = length == 3 && (memcmp(name, "lat", 3) == 0 || memcmp(name, "lon", 3) == 0);
+    fail_input("%s: %.*s: unknown column; %sknown columns: ox, oy, oz, dx, dy, dz, tmin, tmax, id",
+               file ? file->path : "--rays", (int)length, name,
+               place ? "places are read from csv, or made rays in Python by sagitta.earth.rays; " : "");
 }
 
 /* One array: its fields are the columns, or its six numbers a row. */

@@ -27,6 +27,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 const char *const ray_column_name[RAY_COLUMNS] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
 const char *const place_column_name[RAY_COLUMNS] = {"lat", "lon",  "height", "az", "el",
@@ -223,10 +224,27 @@ static bool next_line(reader *r)
     return true;
 }
 
+/* The column that is meant by another name for it; NULL: no such name is known. */
+static const char *usual_column(const char *name, bool earth)
+{
+    static const char *const usual[][2] = {
+        {"latitude", "lat"}, {"longitude", "lon"}, {"lng", "lon"}, {"long", "lon"}, {"alt", "height"},
+        {"altitude", "height"}, {"h", "height"}, {"azimuth", "az"}, {"elevation", "el"}, {"elev", "el"},
+        {"lat", "lat"}, {"lon", "lon"}, {"height", "height"}, {"az", "az"}, {"el", "el"},
+        {"x", "ox"}, {"y", "oy"}, {"z", "oz"}, {"l", "dx"}, {"m", "dy"}, {"n", "dz"}, {"vx", "dx"},
+        {"vy", "dy"}, {"vz", "dz"}, {"name", "id"}, {"ox", "ox"}, {"oy", "oy"}, {"oz", "oz"}, {"dx", "dx"},
+        {"dy", "dy"}, {"dz", "dz"}, {"tmin", "tmin"}, {"tmax", "tmax"}, {"id", "id"}};
+    const size_t first = earth ? 0 : 15;
+    for (size_t i = first; i < sizeof usual / sizeof *usual; i++)
+        if (strcasecmp(name, usual[i][0]) == 0) return usual[i][1];
+    return NULL;
+}
+
 /* Reads the header.  place[c]: the field that holds column c, or -1. */
 static void rays_read_header(reader *r, const ray_list *list, bool *places, int place[RAY_COLUMNS])
 {
     const char *source = r->source, *const *known = ray_column_name;
+    static const char place_words[] = "lat, lon, height, az, el";
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
     if (!next_line(r)) fail_input("%s: empty; it needs a header row: ox,oy,oz,dx,dy,dz", source);
     if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
@@ -239,12 +257,16 @@ static void rays_read_header(reader *r, const ray_list *list, bool *places, int 
         while (c < RAY_COLUMNS && (!*known[c] || strcmp(r->field[f], known[c]) != 0)) c++;
         if (c == RAY_COLUMNS) {
             double x;
-            const char *hint = number_read(r->field[f], &x)   ? "is the header missing?  "
+            const char *meant = usual_column(r->field[f], list->earth);
+            const char *hint = number_read(r->field[f], &x)    ? "is the header missing?  "
+                               : *r->field[f] == '#'           ? "comments are not read; "
                                : strpbrk(r->field[f], " \t;") ? "put commas between columns; "
-                                                              : "";
+                               : meant ? memory_print("did you mean %s?  ", meant)
+                                       : "";
             fail_input(
-                "%s:%zu: %.60s: unknown column; %sknown columns: %s, tmin, tmax, id", source, r->line,
-                r->field[f], hint, *places ? "lat, lon, height, az, el" : "ox, oy, oz, dx, dy, dz");
+                "%s:%zu: %.60s: unknown column; %sknown columns: %s, tmin, tmax, id%s", source, r->line,
+                r->field[f], hint, *places ? place_words : "ox, oy, oz, dx, dy, dz",
+                list->earth && !*places ? memory_print("; or %s", place_words) : "");
         }
         if (place[c] >= 0)
             fail_input("%s:%zu: %s: this column is given twice", source, r->line, ray_column_name[c]);
@@ -253,7 +275,7 @@ static void rays_read_header(reader *r, const ray_list *list, bool *places, int 
     for (int c = 0; c < RAY_REQUIRED; c++)
         if (place[c] < 0 && *known[c])
             fail_input("%s:%zu: %s: this column is missing; %s are needed", source, r->line, known[c],
-                       *places ? "lat, lon, height, az, el" : "ox, oy, oz, dx, dy, dz");
+                       *places ? place_words : "ox, oy, oz, dx, dy, dz");
 }
 
 /* The numbers of the line that was split. */
