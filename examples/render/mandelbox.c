@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: MIT
 /* mandelbox.c - T. Lowe's Mandelbox (2010), scale 2, with proven first hits and misses.
  *
- * The orbit is v_1 = p, v_{n+1} = 2 k(|w|^2) w + p, where w folds each coordinate of v at 1 and -1 (x beyond 1
- * becomes 2 - x, below -1 it becomes -2 - x) and k(q) = min(4, max(1, 1 / q)) is a fold by the unit sphere,
- * the inversion, stopped at radius 1/2.  The surface is |v_N| = E, and F = (u - 1) / (u + 1), u = |v_N|^2 /
- * E^2, is below zero inside.  Both folds are continuous, so F is.  It has kinks.
+ * The orbit is v_1 = p, v_{n+1} = 2 k(|w|^2) w + p, where w folds each coordinate of v at 1 and -1 (x beyond
+ * 1 becomes 2 - x, below -1 it becomes -2 - x) and k(q) = min(4, max(1, 1 / q)) is a fold by the unit
+ * sphere, the inversion, stopped at radius 1/2.  The surface is |v_N| = E, and F = (u - 1) / (u + 1), u =
+ * |v_N|^2 / E^2, is below zero inside.  Both folds are continuous, so F is.  It has kinks.
  *
- * WHO ESCAPES.  A fold by planes takes at most 2 sqrt(3) from |v|, and k >= 1.  So |v| > 4 sqrt(3) + |p| gives
- * |v'| >= 2 (|v| - 2 sqrt(3)) - |p| > |v|, and it grows from there on.
+ * WHO ESCAPES.  A fold by planes takes at most 2 sqrt(3) from |v|, and k >= 1.  So |v| > 4 sqrt(3) + |p|
+ * gives |v'| >= 2 (|v| - 2 sqrt(3)) - |p| > |v|, and it grows from there on.
  *
- * WHERE.  Let x be a coordinate of p.  It goes x, 4 - x, 3 x - 12, 28 - 5 x, ... in v_n: each fold is at 1 or
- * -1, and k is 1, as long as that coordinate is beyond 3 in size.  For x >= 22 these numbers are at least 18 in
- * size; from 3 x - 12 >= x + 4 on they grow.  So every level of E = 18 lies in the cube of half edge 22, and
- * in a ball of radius 22 sqrt(3) < 39.  With x = 6 + d they are 6 + d, -2 - d, 6 + 3 d, -2 - 5 d, ..., and k > 1
- * only adds to d: the box itself lies in the cube of half edge 6.  There |p| <= 6 sqrt(3), and |v| > 10 sqrt(3)
- * escapes.  E is above that, so the box lies inside every level.
+ * WHERE.  Let x be a coordinate of p.  It goes x, 4 - x, 3 x - 12, 28 - 5 x, ... in v_n: each fold is at 1
+ * or -1, and k is 1, as long as that coordinate is beyond 3 in size.  For x >= 22 these numbers are at least
+ * 18 in size; from 3 x - 12 >= x + 4 on they grow.  So every level of E = 18 lies in the cube of half edge
+ * 22, and in a ball of radius 22 sqrt(3) < 39.  With x = 6 + d they are 6 + d, -2 - d, 6 + 3 d, -2 - 5 d,
+ * ..., and k > 1 only adds to d: the box itself lies in the cube of half edge 6.  There |p| <= 6 sqrt(3),
+ * and |v| > 10 sqrt(3) escapes.  E is above that, so the box lies inside every level.
  *
- * THE ENCLOSURE is the same orbit in models (model.h), as for the bulb.  Where no kink is in a cell, a fold is
- * exact but for rounding, and k is 1, 4 or an inverse.  Where one may be, the number is replaced by the hull of
- * its values, and its slope by the hull of the slopes on all sides: F is continuous and has a slope but at
- * kinks, so a mean value theorem holds with the hull.  The width then falls with the first power of the cell's
- * length.  Which kinks a cell holds changes with the level, so most cells hold few.
+ * THE ENCLOSURE is the same orbit in models (model.h), as for the bulb.  Where no kink is in a cell, a fold
+ * is exact but for rounding, and k is 1, 4 or an inverse.  Where one may be, the number is replaced by the
+ * hull of its values, and its slope by the hull of the slopes on all sides: F is continuous and has a slope
+ * but at kinks, so a mean value theorem holds with the hull.  The width then falls with the first power of
+ * the cell's length.  Which kinks a cell holds changes with the level, so most cells hold few.
  *
- * ROUNDING OF F.  A fold by planes moves no two points apart, the inversion where |w| >= r moves them apart by
- * at most 1 / r^2, and inside of 1/2 by 4.  So e' = 2 L e + what a level rounds: 3 U for |w|^2, 1 for its
+ * ROUNDING OF F.  A fold by planes moves no two points apart, the inversion where |w| >= r moves them apart
+ * by at most 1 / r^2, and inside of 1/2 by 4.  So e' = 2 L e + what a level rounds: 3 U for |w|^2, 1 for its
  * inverse, 2 for the products, 1 for the sum, each of at most 2 |k w| + |p| + 4. */
 #include "own.h"
 
@@ -57,7 +57,8 @@ static vec3 pulled_back(const fold *f, vec3 g)
     const double k = inverted(f->q);
     vec3 h = scaled(g, 2 * k);
     if (f->q >= 0.25 && f->q < 1) h = along(h, -4 * k * k * dot(f->w, g), f->w);
-    return (vec3){fabs(f->v.x) > 1 ? -h.x : h.x, fabs(f->v.y) > 1 ? -h.y : h.y, fabs(f->v.z) > 1 ? -h.z : h.z};
+    return (vec3){fabs(f->v.x) > 1 ? -h.x : h.x, fabs(f->v.y) > 1 ? -h.y : h.y,
+                  fabs(f->v.z) > 1 ? -h.z : h.z};
 }
 
 static double box_value(const void *self, vec3 p, vec3 *grad)
@@ -114,7 +115,7 @@ static jet folded_jet(jet x)
         const model middle = {lo > 1 ? 2 : -2, 0, 0};
         return (jet){minus(middle, x.f), negative(x.d)};
     }
-    /* Between its values at the ends and at the kinks in between.  Rounding has turned a few parts in 2^53. */
+    /* Between its values at the ends and at the kinks in between.  Rounding turned a few parts in 2^53. */
     const double off = 4 * U * (2 + fmax(fabs(lo), fabs(hi))), steep = fmax(-lowest(x.d), highest(x.d));
     const double least = fmin(fmin(at, to), lo <= -1 ? -1 : at), most = fmax(fmax(at, to), hi >= 1 ? 1 : to);
     return (jet){between(least - off, most + off), {0, 0, steep}};

@@ -472,7 +472,8 @@ static sgt_ray ray_at_mandelbox(long kind)
     if (kind % 8 == 2) at.x = at.y, d.x = d.y;
     if (kind % 8 == 3) at.x = at.y = d.x = d.y = 0;
     d = unit(d);
-    return (sgt_ray){.o = along(at, kind % 3 ? -uniform(10, 20) : 0, d), .d = scaled(d, pow(10, uniform(-1, 1)))};
+    return (sgt_ray){.o = along(at, kind % 3 ? -uniform(10, 20) : 0, d),
+                     .d = scaled(d, pow(10, uniform(-1, 1)))};
 }
 
 static void test_mandelbox(long count)
@@ -502,8 +503,8 @@ static void test_mandelbox(long count)
                           b = mandelbox_on_ray(&s, &ray, hit.t + hit.t_err + off);
         require(a * b < 0, "mandelbox, no change of sign at the hit", ray.o, (double)a, (double)b);
     }
-    printf("mandelbox: %ld rays, %ld hits, %ld undecided, and %ld in mirrors; %.1f evaluations\n", count, hits,
-           undecided[0], undecided[1], (double)evals / (double)count);
+    printf("mandelbox: %ld rays, %ld hits, %ld undecided, and %ld in mirrors; %.1f evaluations\n", count,
+           hits, undecided[0], undecided[1], (double)evals / (double)count);
     require(hits > count / 3 && undecided[0] <= count / 100 && undecided[1] <= count / 10,
             "mandelbox, undecided rays", (vec3){0}, (double)undecided[0], (double)undecided[1]);
 }

@@ -61,7 +61,7 @@
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 96, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS,
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS,
        VICINITY_MOST = 64 /* rays at a time */ };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */

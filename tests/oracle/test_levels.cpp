@@ -841,9 +841,9 @@ void rays(generator &g, long count)
 }
 
 // First hits of many levels.  The surface may be finer than doubles tell.  Then many roots are within t_err
-// of t, and the gradient at p says nothing of the side.  What has to hold: nothing inside lies before t - t_err,
-// nor anywhere on a ray that misses; there is a root within t_err.  And the levels lie in each other, so a ray
-// meets level N + 1 not before level N.
+// of t, and the gradient at p says nothing of the side.  What has to hold: nothing inside lies before t -
+// t_err, nor anywhere on a ray that misses; there is a root within t_err.  And the levels lie in each other,
+// so a ray meets level N + 1 not before level N.
 void first_hits(generator &g, long count)
 {
     for (long i = 0; i < count; i++) {
@@ -863,7 +863,8 @@ void first_hits(generator &g, long count)
             level hundred = f;
             hundred.s.iterations = 100;
             if (sgt_intersect(as_surface(hundred, &m), ray, &options).status == SGT_MISS)
-                counted[h.status == SGT_MISS ? "many: misses of level 100, and N" : "many: misses of level 100 only"]++;
+                counted[h.status == SGT_MISS ? "many: misses of level 100, and N"
+                                             : "many: misses of level 100 only"]++;
             as_surface(f, &m);
         }
         if (h.status != SGT_HIT && h.status != SGT_MISS) continue;
@@ -876,7 +877,8 @@ void first_hits(generator &g, long count)
         // A ray that starts inside meets the set where it leaves.
         const bool within = excess(f, ray.o.x, ray.o.y, ray.o.z) < 0;
         for (int k = 0; k < 200 && lo < end; k++) {
-            const double part = k % 2 ? g.uniform(0, 1) : g.log_uniform(1e-15, 1), t = end - (end - lo) * part,
+            const double part = k % 2 ? g.uniform(0, 1) : g.log_uniform(1e-15, 1),
+                         t = end - (end - lo) * part,
                          x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y, z = ray.o.z + t * ray.d.z,
                          there = excess(f, x, y, z);
             if (h.status == SGT_HIT && !(quad(t) < quad(h.t) - h.t_err)) continue; // from afar t is coarse
@@ -888,7 +890,8 @@ void first_hits(generator &g, long count)
             level next = f;
             next.s.iterations++;
             const sgt_hit behind = sgt_intersect(as_surface(next, &m), ray, &options);
-            counted[behind.status == SGT_MISS ? "many: misses of level N + 1, too" : "many: misses that are not"]++;
+            counted[behind.status == SGT_MISS ? "many: misses of level N + 1, too"
+                                              : "many: misses that are not"]++;
             if (behind.status > 0) fail_on("many: level N missed, level N + 1 met", f, ray, behind.t, h);
             continue;
         }

@@ -456,17 +456,18 @@ static void end_spans(const torus_parting *c, size_t n, double *lo, double *hi, 
 
 /* The same, and [from, to] where a root was found, with the bound on the slope. */
 SGT_KERNEL
-static void end_firsts(const torus_parting *c, const torus_ring *s, size_t n, double *lo, double *hi,
-                       double *seed, double *steep, bool *is_single)
+static void end_firsts(const torus_parting *c, double least, size_t n, double *restrict lo,
+                       double *restrict hi, double *restrict seed, double *restrict steep,
+                       double *restrict is_single)
 {
-    const double least = chosen(s->spindle, 0, LEAST_SLOPE * s->inverse);
     LANES for (size_t i = 0; i < n; i++) {
         mask none = MASK(c->none[i] > 0), found = MASK(c->met[i] > 0);
         double t0 = c->t0[i], scale = c->scale[i], from = chosen(found, c->from[i], c->lo[i]),
                to = chosen(found, c->to[i], c->hi[i]);
         double below = (t0 + from) - 0x1p-51 * (fabs(t0) + fabs(from)), above = t0 + to;
         lo[i] = chosen(none, 1.0, below * scale), hi[i] = chosen(none, -1.0, above * scale);
-        seed[i] = chosen(none, (double)NAN, (t0 + c->tau[i]) * scale), is_single[i] = (none | found) != 0;
+        seed[i] = chosen(none, (double)NAN, (t0 + c->tau[i]) * scale);
+        is_single[i] = chosen(none | found, 1, 0);
         steep[i] = chosen(found & ~none & MASK(to - from > 0x1p-40 * fabs(t0)), c->ease[i] * least, 0);
     }
 }
@@ -475,8 +476,9 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
 {
     torus_ring s = ring_of(self);
     torus_parting c;
-    row whole, unread;
+    row whole, unread, single;
     WENT(WAY_PARTED);
+    const double least = s.spindle ? 0 : LEAST_SLOPE * s.inverse;
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;
@@ -487,8 +489,9 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
         torus_begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
         for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) torus_judge(&s, &c, few), move(&c, few);
         double *own = steep ? steep + at : unread;
-        if (first) end_firsts(&c, &s, few, out.lo + at, out.hi + at, out.seed + at, own, out.single + at);
-        else end_spans(&c, few, out.lo + at, out.hi + at, out.seed + at, out.single + at);
+        if (first) end_firsts(&c, least, few, out.lo + at, out.hi + at, out.seed + at, own, single);
+        for (size_t i = 0; i < few && first; i++) out.single[at + i] = single[i] > 0;
+        if (!first) end_spans(&c, few, out.lo + at, out.hi + at, out.seed + at, out.single + at);
         for (size_t i = 0; i < few; i++) /* if d is this long, the ends may underflow in lengths of d */
             if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
                 out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false, own[i] = 0;

@@ -568,8 +568,8 @@ static void check_singles(const intersect_arguments *a)
 {
     ray_block *b = memory_take(1, sizeof *b);
     for (size_t i = 0; i < a->rays.count && !a->rays.some; i += TILE_RAYS) {
-        const size_t left = a->rays.count - i;
-        rays_part(&a->rays, i, left < TILE_RAYS ? left : TILE_RAYS, b);
+        const size_t rest = a->rays.count - i;
+        rays_part(&a->rays, i, rest < TILE_RAYS ? rest : TILE_RAYS, b);
         round_to_floats(b);
     }
 }
