@@ -135,9 +135,13 @@ def test_every_analysis_is_tried():
     assert {a.name.decode() for a in analyses()} - proofs == set(ASKED)
 
 
-def test_proofs_are_not_divided(tree):
-    with pytest.raises(ValueError, match="boxes are divided among threads"):
-        triplet(tree).part("prove", 1, 2)
+@pytest.mark.parametrize("name", ["prove", "prove_between"])
+def test_parts_of_proofs_make_one_run(tree, name):
+    """Boxes of a field and a wavelength stay together, those between are divided."""
+    lens = triplet(tree)
+    whole = getattr(lens, name)(boxes=400)
+    parts = [lens.part(name, k, 3, boxes=400) for k in (2, 3, 1)]
+    assert sagitta.join(parts).rows.tobytes() == whole.rows.tobytes()
 
 
 def test_as_the_command_has_it(tree, command):

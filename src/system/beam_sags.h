@@ -276,9 +276,10 @@ static bool grid_cells(double step, size_t count, sgt_interval x, int *first, in
 {
     const double half = 0.5 * (double)(count - 1), last = (double)(count - 2), soft = 0x1p-30;
     if (!(x.lo >= -half * step && x.hi <= half * step)) return false;
-    const double lo = smaller(larger(floor(x.lo / step + half - soft), 0), last);
-    const double hi = smaller(larger(floor(x.hi / step + half + soft), 0), last);
-    *first = (int)lo, *cells = (int)(hi - lo) + 1;
+    /* (cut off is rounded down: below 0 both are 0) */
+    const int lo = (int)smaller(larger(x.lo / step + half - soft, 0), last);
+    const int hi = (int)smaller(larger(x.hi / step + half + soft, 0), last);
+    *first = lo, *cells = hi - lo + 1;
     return *cells <= 2;
 }
 

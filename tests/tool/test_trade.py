@@ -570,7 +570,7 @@ def test_bad_options():
             (('--proof', 'roots'), '--proof'), (('--proof', ','), '--proof'), (('--proof', 'root,first,root,first'), '--proof'), (('--rays', '-'), '--surface'), (('--ray', '0 0 -5 0 0 1'), '--surface'), (('--fan', '3'), 'lens'),
             ((lens, lens), 'one lens file'), ((lens, '--surface', CONIC), '--surface'), (('--surface', CONIC, '--fan', 3), '--fan'),
             ((lens, '--ray', '0 0 -5 0 0 1'), '--ray'), (('--surface', CONIC, '--ray', '0 0 -5 0 0 1', '--rays', '-'), '--ray'),
-            (('--surface', JULIA, '--iterations', '4,5000'), '--iterations'), (('--turbo',), '--turbo')):
+            (('--surface', JULIA, '--iterations', '4,50000'), '--iterations'), (('--turbo',), '--turbo')):
         done = run('trade', *arguments, *QUICK, exit=USAGE)
         assert word in done.stderr, (arguments, done.stderr)
         equal(done.stdout, '', arguments)
