@@ -255,7 +255,7 @@ static void tell_row(const betweens *w, const between_group *g, sgt_prove_quanti
     const bool known = any_passes(g) && !isnan(is.seen); /* of no ray: without a wavelength, or a chief ray */
     const sgt_prove_between_row row = {.field = field_number_of(w, g),
                                        .wavelength = wavelength_of_group(g),
-                                       .quantity = of,
+                                       .quantity = (int)of,
                                        .element = element,
                                        .bound = known || isfinite(is.bound) ? is.bound : none,
                                        .seen = is.seen,
@@ -347,7 +347,7 @@ static bool read_limits(betweens *w, const sgt_prove_options *o)
                 a, "limit",
                 "%s is of one field at one wavelength; of those between there are ex, ey, spot, "
                 "opd, incidence and clearance",
-                sgt_prove_quantity_text(l->quantity));
+                sgt_prove_quantity_text((int)l->quantity));
         if (l->element > a->lens->count)
             return sgt_ask_refuse(a, "limit", "there is no element %zu: the lens has %zu", l->element,
                                   a->lens->count);
