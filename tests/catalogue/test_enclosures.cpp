@@ -217,7 +217,7 @@ int main(int argc, char **argv)
     for (std::size_t k = 0; k < all_types.size(); k++) {
         const std::string type = all_types[k];
         if (only && type != only) continue;
-        generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40);
+        generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40), along_first(r.seed + k);
         long asked = 0, bounded = 0, points = 0, lanes_bounded = 0, lanes_wider = 0, lanes_asked = 0;
         long first_asked = 0, steep_known = 0;
         double least_steep = HUGE_VAL;
@@ -242,7 +242,7 @@ int main(int argc, char **argv)
                 const double d = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
                              unit = s.h / d;
                 bool is_body;
-                const double steep = steepness(g, s, ray, &is_body);
+                const double steep = steepness(along_first, s, ray, &is_body);
                 first_asked += is_body, steep_known += steep > 0;
                 if (steep > 0) least_steep = std::min(least_steep, steep);
                 const sgt_hit h = sgt_intersect(s.s, ray, nullptr);

@@ -49,6 +49,11 @@ static void keep(told *t, const void *from, size_t size)
     t->size += size;
 }
 
+static bool is_int(sgt_column_kind kind)
+{
+    return kind == SGT_COLUMN_FATE || kind == SGT_COLUMN_VERDICT || kind == SGT_COLUMN_QUANTITY;
+}
+
 /* The cells of a row, without the gaps between them. */
 static void keep_row(void *context, const void *row)
 {
@@ -56,7 +61,7 @@ static void keep_row(void *context, const void *row)
     const sgt_column *c;
     t->rows++;
     for (size_t i = 0; (c = sgt_analysis_column(t->of, i)); i++)
-        keep(t, (const char *)row + c->offset, c->kind == SGT_COLUMN_FATE ? sizeof(int) : sizeof(double));
+        keep(t, (const char *)row + c->offset, is_int(c->kind) ? sizeof(int) : sizeof(double));
 }
 
 static void keep_sentence(void *context, sgt_remark_of_study kind, const char *sentence)

@@ -90,7 +90,8 @@ static void second_derivatives_are_within(void **unused)
     print_message("%ld of %ld have a range, %ld half as wide as by terms or less; %ld of %ld q_con fill it\n",
                   said, count, narrower, filled, of_q);
     REQUIRE((double)said > 0.8 * (double)count, "%ld of %ld have a range", said, count);
-    REQUIRE((double)narrower > 0.3 * (double)said, "only %ld of %ld are half as wide as by terms", narrower, said);
+    REQUIRE((double)narrower > 0.3 * (double)said, "only %ld of %ld are half as wide as by terms", narrower,
+            said);
     REQUIRE((double)filled > 0.9 * (double)of_q, "only %ld of %ld q_con fill half of it", filled, of_q);
 }
 
