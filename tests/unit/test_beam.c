@@ -159,11 +159,14 @@ static sgt_surface surface_of(int type, room *of, double strong, double rim)
     case Q_BFS:
         of->q_bfs = (sgt_q_bfs){.c = c, .semi_diameter = rim, .norm = 10, .a = {of->a, 1, 6}};
         return (sgt_surface){&sgt_q_bfs_ops, &of->q_bfs};
-    case GRID:
-        of->grid =
-            (sgt_grid){.c = c, .k = k, .semi_diameter = rim, .step_x = 4, .step_y = 4, .z = {of->b, 6, 6}};
+    case GRID: { /* of half of them all cells but one lie at the border */
+        const size_t points = of->b[35] > 0 ? 4 : 6;
+        const double step = points == 4 ? 6 : 4;
+        of->grid = (sgt_grid){.c = c, .k = k, .semi_diameter = rim, .step_x = step, .step_y = step,
+                              .z = {of->b, points, points}};
         sgt_grid_measure(&of->grid);
         return (sgt_surface){&sgt_grid_ops, &of->grid};
+    }
     case SUM:
         of->terms[0] = surface_of(TOROIDAL, of, strong, rim),
         of->terms[1] = surface_of(Q_CON, of, strong, rim);
