@@ -80,6 +80,8 @@ NEAREST = [
     (r'src/ray/(prove|unique)', ['unit prove', 'edges', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
     (r'src/system/(aim|error|gradient)_batch', ['derivatives and aims of many rays', 'errors of many ends', 'doors']),
     (r'src/system/(beam|model)', ['unit beam', 'unit aperture', 'rays in boxes']),
+    (r'src/system/aperture', ['unit aperture', 'unit beam', 'edges']),
+    (r'src/surface/(conic/side|asphere/unique)', ['leave', 'batch', 'catalogue batch']),
     (r'src/system/(aim|bundle|form)', ['unit form', 'tool aim', 'sensitivity aim', 'rays that are not there', 'tool aim_family', 'analysis units', 'ideal lenses', 'tool look']),
     (r'src/system/gradient', ['sensitivities of traces', 'differences', 'ideal lenses', 'sensitivity']),
     (r'src/system/', ['unit trace', 'unit aperture', 'unit pose', 'edges', 'unit refract', 'batch trace', 'oracle reference']),

@@ -820,6 +820,39 @@ static void plain_boxes_are_decided(void **unused)
             sgt_box_verdict_text(end.verdict));
 }
 
+/* A box that goes over an edge by a seventh of its half width is cut, of each shape; well inside it passes. */
+static void edges_of_apertures_cut(void **unused)
+{
+    (void)unused;
+    static const sgt_vec2 corners[] = {{-5, -9}, {5, -9}, {5, 9}, {-5, 9}};
+    const sgt_aperture_item items[] = {
+        {.shape = SGT_CIRCLE, .radius = 5},
+        {.shape = SGT_ANNULUS, .radius = 5, .inner = 0.1},
+        {.shape = SGT_RECTANGLE, .half = {5, 9}},
+        {.shape = SGT_ELLIPSE, .half = {5, 40}},
+        {.shape = SGT_POLYGON, .count = 4, .vertices = corners},
+        {.shape = SGT_CIRCLE, .radius = 5, .centre = {10, 0}, .obscuring = true},
+        {.shape = SGT_RECTANGLE, .half = {5, 9}, .centre = {10, 0}, .obscuring = true},
+    };
+    const sgt_conic flat = {0};
+    for (size_t k = 0; k < COUNT_OF(items); k++) {
+        const sgt_aperture aperture = {.count = 1, .items = &items[k]};
+        const sgt_element e = {.surface = {&sgt_conic_ops, &flat}, .index = 1, .aperture = &aperture};
+        const sgt_box_lens plane = {.elements = 1, .e = &e};
+        for (int over = 0; over < 2; over++) {
+            const double spread = 0.5, x = 5 - (over ? 0.85 : 3) * spread;
+            sgt_box_launch from = {.parameters = 2};
+            sgt_box_end end;
+            from.o[0] = (sgt_model){.c = x, .by = {spread, 0}};
+            from.o[1] = (sgt_model){.by = {0, 0.1 * spread}};
+            from.o[2] = sgt_model_of(-5), from.d[2] = sgt_model_of(1);
+            sgt_box_trace(&plane, &from, NULL, NULL, &end);
+            REQUIRE(end.verdict == (over ? SGT_BOX_CUT : SGT_BOX_PASSED), "shape %zu, %s: %s", k,
+                    over ? "over its edge" : "inside", sgt_box_verdict_text(end.verdict));
+        }
+    }
+}
+
 /* The operations on models contain what they do: members at random places, in long double. */
 static void models_contain(void **unused)
 {
@@ -958,7 +991,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_contain), cmocka_unit_test(series_contain),
-        cmocka_unit_test(plain_boxes_are_decided),
+        cmocka_unit_test(plain_boxes_are_decided), cmocka_unit_test(edges_of_apertures_cut),
         cmocka_unit_test(rest_shrinks), cmocka_unit_test(other_sheets_hold),
         cmocka_unit_test(sags_without_edge_hold), cmocka_unit_test(roots_beside_the_seed_hold),
         cmocka_unit_test(quadrics_hold), cmocka_unit_test(departures_hold)};
