@@ -820,7 +820,7 @@ static void plain_boxes_are_decided(void **unused)
             sgt_box_verdict_text(end.verdict));
 }
 
-/* A box that goes over an edge by a seventh of its half width is cut, of each shape; well inside it passes. */
+/* Of each shape a box that goes over an edge by a seventh of its half width is cut; well inside it passes. */
 static void edges_of_apertures_cut(void **unused)
 {
     (void)unused;
