@@ -468,100 +468,44 @@ static bool ask_between_limits(sgt_asking *a) { return between_each(a, true); }
 /* -------------------------------------------------------------------------- tables */
 
 #define RAY_OF(row)                                                                                      \
-    {.name = "fx",                                                                                       \
-     SGT_COLUMN_EXACT,                                                                                   \
-     SGT_UNIT_SWEEP,                                                                                     \
-     0,                                                                                                  \
-     offsetof(row, fx),                                                                                  \
-     0,                                                                                                  \
+    {.name = "fx", SGT_COLUMN_EXACT, SGT_UNIT_SWEEP, 0, offsetof(row, fx), 0,                            \
      "the field of this ray: degrees, or the point of the object"},                                      \
-        {.name = "fy", SGT_COLUMN_EXACT, SGT_UNIT_SWEEP, 0, offsetof(row, fy), 0, "in x and y"},         \
-        {.name = "um",                                                                                   \
-         SGT_COLUMN_EXACT,                                                                               \
-         SGT_UNIT_NONE,                                                                                  \
-         0,                                                                                              \
-         offsetof(row, um),                                                                              \
-         0,                                                                                              \
-         "its wavelength in micrometres,"},                                                              \
-        {.name = "px",                                                                                   \
-         SGT_COLUMN_EXACT,                                                                               \
-         SGT_UNIT_PUPIL,                                                                                 \
-         0,                                                                                              \
-         offsetof(row, px),                                                                              \
-         0,                                                                                              \
-         "and where it goes through the pupil; of opd the"},                                             \
-        {.name = "py",                                                                                   \
-         SGT_COLUMN_EXACT,                                                                               \
-         SGT_UNIT_PUPIL,                                                                                 \
-         0,                                                                                              \
-         offsetof(row, py),                                                                              \
-         0,                                                                                              \
-         "ray with the largest difference"},                                                             \
-        {.name = "low_px",                                                                               \
-         SGT_COLUMN_EXACT,                                                                               \
-         SGT_UNIT_PUPIL,                                                                                 \
-         SGT_COLUMN_DETAIL,                                                                              \
-         offsetof(row, low_px),                                                                          \
-         0,                                                                                              \
-         "of opd: the ray with the"},                                                                    \
-    {                                                                                                    \
-        .name = "low_py", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, SGT_COLUMN_DETAIL, offsetof(row, low_py), 0, \
-        "smallest"                                                                                       \
-    }
+    {.name = "fy", SGT_COLUMN_EXACT, SGT_UNIT_SWEEP, 0, offsetof(row, fy), 0, "in x and y"},             \
+    {.name = "um", SGT_COLUMN_EXACT, SGT_UNIT_NONE, 0, offsetof(row, um), 0,                             \
+     "its wavelength in micrometres,"},                                                                  \
+    {.name = "px", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, 0, offsetof(row, px), 0,                            \
+     "and where it goes through the pupil; of opd the"},                                                 \
+    {.name = "py", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, 0, offsetof(row, py), 0,                            \
+     "ray with the largest difference"},                                                                 \
+    {.name = "low_px", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, SGT_COLUMN_DETAIL, offsetof(row, low_px), 0,    \
+     "of opd: the ray with the"},                                                                        \
+    {.name = "low_py", SGT_COLUMN_EXACT, SGT_UNIT_PUPIL, SGT_COLUMN_DETAIL, offsetof(row, low_py), 0,    \
+     "smallest"}
 
-#define FIELD_OR_ALL(row)                                                                             \
-    {                                                                                                 \
-        .name = "field", SGT_COLUMN_PLACE, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0, \
-        "the field, counted from 1; empty: all fields between"                                        \
-    }
-#define WAVELENGTH_OR_ALL(row)                                                               \
-    {                                                                                        \
-        .name = "wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, SGT_COLUMN_GROUPS, \
-        offsetof(row, wavelength), 0, "micrometres; all: all wavelengths between"            \
-    }
+#define FIELD_OR_ALL(row)                                                                                \
+    {.name = "field", SGT_COLUMN_PLACE, SGT_UNIT_NONE, SGT_COLUMN_GROUPS, offsetof(row, field), 0,       \
+     "the field, counted from 1; empty: all fields between"}
+#define WAVELENGTH_OR_ALL(row)                                                                           \
+    {.name = "wavelength", SGT_COLUMN_WAVELENGTH, SGT_UNIT_MICROMETRE, SGT_COLUMN_GROUPS,                \
+     offsetof(row, wavelength), 0, "micrometres; all: all wavelengths between"}
 
 #define BETWEEN(member) offsetof(sgt_prove_between_row, member)
 static const sgt_column between_columns[] = {
     FIELD_OR_ALL(sgt_prove_between_row),
     WAVELENGTH_OR_ALL(sgt_prove_between_row),
-    {.name = "quantity",
-     SGT_COLUMN_QUANTITY,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN(quantity),
-     0,
+    {.name = "quantity", SGT_COLUMN_QUANTITY, SGT_UNIT_NONE, 0, BETWEEN(quantity), 0,
      "ex, ey, spot: the distance from the chief ray (length; of an afocal lens mrad); opd: largest less "
-     "smallest path "
-     "difference (waves); incidence (degrees); clearance: from the edge of the clear aperture (length)"},
-    {.name = "element",
-     SGT_COLUMN_PLACE,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN(element),
-     0,
+     "smallest path difference (waves); incidence (degrees); clearance: from the edge of the clear "
+     "aperture (length)"},
+    {.name = "element", SGT_COLUMN_PLACE, SGT_UNIT_NONE, 0, BETWEEN(element), 0,
      "of incidence and clearance, counted from 1"},
     {.name = "bound", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, BETWEEN(bound), 0, "no ray that passes is beyond"},
-    {.name = "seen",
-     SGT_COLUMN_NUMBER,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN(seen),
-     0,
-     "the worst_seen ray that was traced"},
+    {.name = "seen", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, BETWEEN(seen), 0,
+     "of the worst ray that was traced"},
     RAY_OF(sgt_prove_between_row),
-    {.name = "boxes",
-     SGT_COLUMN_COUNT,
-     SGT_UNIT_NONE,
-     SGT_COLUMN_DETAIL,
-     BETWEEN(boxes),
-     0,
+    {.name = "boxes", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, BETWEEN(boxes), 0,
      "how many were carried through, of this field and wavelength"},
-    {.name = "spent",
-     SGT_COLUMN_COUNT,
-     SGT_UNIT_NONE,
-     SGT_COLUMN_DETAIL,
-     BETWEEN(spent),
-     0,
+    {.name = "spent", SGT_COLUMN_COUNT, SGT_UNIT_NONE, SGT_COLUMN_DETAIL, BETWEEN(spent), 0,
      "1: as many as were allowed, so more of them would bring closer bounds"},
 };
 
@@ -569,97 +513,52 @@ static const sgt_column between_columns[] = {
 static const sgt_column between_limits_columns[] = {
     FIELD_OR_ALL(sgt_prove_between_limit_row),
     WAVELENGTH_OR_ALL(sgt_prove_between_limit_row),
-    {.name = "limit",
-     SGT_COLUMN_COUNT,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN_LIMIT(limit),
-     0,
+    {.name = "limit", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(limit), 0,
      "which limit, counted from 1"},
-    {.name = "verdict",
-     SGT_COLUMN_VERDICT,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN_LIMIT(verdict),
-     0,
+    {.name = "verdict", SGT_COLUMN_VERDICT, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(verdict), 0,
      "proven of every ray; broken, by the ray of fx ... py; undecided; empty: no ray passes"},
     {.name = "value", SGT_COLUMN_EXACT, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(value), 0, "of the limit"},
     {.name = "bound", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(bound), 0, "no ray is beyond"},
-    {.name = "seen",
-     SGT_COLUMN_NUMBER,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN_LIMIT(seen),
-     0,
-     "of the worst_seen ray that was traced"},
+    {.name = "seen", SGT_COLUMN_NUMBER, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(seen), 0,
+     "of the worst ray that was traced"},
     RAY_OF(sgt_prove_between_limit_row),
-    {.name = "undecided",
-     SGT_COLUMN_ERROR,
-     SGT_UNIT_PERCENT,
-     0,
-     BETWEEN_LIMIT(undecided),
-     0,
+    {.name = "undecided", SGT_COLUMN_ERROR, SGT_UNIT_PERCENT, 0, BETWEEN_LIMIT(undecided), 0,
      "of fields, wavelengths and pupil: where it may be broken, unless it is decided"},
-    {.name = "boxes",
-     SGT_COLUMN_COUNT,
-     SGT_UNIT_NONE,
-     0,
-     BETWEEN_LIMIT(boxes),
-     0,
+    {.name = "boxes", SGT_COLUMN_COUNT, SGT_UNIT_NONE, 0, BETWEEN_LIMIT(boxes), 0,
      "how many were carried through"},
 };
 
-#define BETWEEN_SETTINGS                                                                                     \
-    {.name = "boxes",                                                                                        \
-     SGT_SETTING_COUNT,                                                                                      \
-     offsetof(sgt_prove_options, boxes),                                                                     \
-     NULL,                                                                                                   \
-     1,                                                                                                      \
-     100000000,                                                                                              \
-     "at most so many boxes for each part of fields and wavelengths (default 10000)"},                       \
-    {                                                                                                        \
-        .name = "between", SGT_SETTING_WORD, offsetof(sgt_prove_options, between),                           \
-        "both|fields|wavelengths", 0, 0,                                                                     \
-        "what lies between those of the study and is meant, too: both (the default), fields, or wavelengths" \
-    }
+#define BETWEEN_SETTINGS                                                                                 \
+    {.name = "boxes", SGT_SETTING_COUNT, offsetof(sgt_prove_options, boxes), NULL, 1, 100000000,         \
+     "at most so many boxes for each part of fields and wavelengths (default 10000)"},                   \
+    {.name = "between", SGT_SETTING_WORD, offsetof(sgt_prove_options, between),                          \
+     "both|fields|wavelengths", 0, 0,                                                                    \
+     "what lies between those of the study and is meant, too: both (the default), fields, or "           \
+     "wavelengths"}
 static const sgt_setting between_settings[] = {BETWEEN_SETTINGS};
 static const sgt_setting between_limits_settings[] = {
     BETWEEN_SETTINGS,
-    {.name = "limit",
-     SGT_SETTING_TEXT,
-     offsetof(sgt_prove_options, limit),
-     NULL,
-     0,
-     0,
+    {.name = "limit", SGT_SETTING_TEXT, offsetof(sgt_prove_options, limit), NULL, 0, 0,
      "limits for every ray: \"spot < 0.02; incidence[3] < 40\"; of ex, ey, spot (lengths; of an afocal lens "
-     "mrad), opd "
-     "(waves, peak to valley), incidence (degrees), clearance (from the edge of the clear aperture)"},
+     "mrad), opd (waves, peak to valley), incidence (degrees), clearance (from the edge of the clear "
+     "aperture)"},
 };
 
 #define BETWEEN_HELP \
     "by boxes of field, wavelength and pupil, whose rays are carried through the lens together."
 
 const sgt_analysis sgt_prove_between_analysis = {
-    .name = "prove_between",
-    .title = "every ray of all fields and wavelengths between: bounds",
+    .name = "prove_between", .title = "every ray of all fields and wavelengths between: bounds",
     .part_of = "prove",
-    .help =
-        "Bounds that no ray leaves, of the fields and wavelengths between those of the lens, " BETWEEN_HELP,
-    .no_rays = true,
-    ROWS_OF(sgt_prove_between_row, between_columns),
-    OPTIONS_OF(sgt_prove_options),
-    SETTINGS_OF(between_settings),
-    .ask = ask_between};
+    .help = "Bounds that no ray leaves, of the fields and wavelengths between those of the lens, "
+            BETWEEN_HELP,
+    .no_rays = true, ROWS_OF(sgt_prove_between_row, between_columns), OPTIONS_OF(sgt_prove_options),
+    SETTINGS_OF(between_settings), .ask = ask_between};
 
 const sgt_analysis sgt_prove_between_limits_analysis = {
     .name = "prove_between_limits",
-    .title = "limits for every ray of all fields and wavelengths between",
-    .part_of = "prove",
+    .title = "limits for every ray of all fields and wavelengths between", .part_of = "prove",
     .help = "Limits for every ray that passes, of the fields and wavelengths between those of the lens: "
-            "proven, broken or "
-            "undecided, " BETWEEN_HELP,
-    .no_rays = true,
-    ROWS_OF(sgt_prove_between_limit_row, between_limits_columns),
-    OPTIONS_OF(sgt_prove_options),
-    SETTINGS_OF(between_limits_settings),
-    .ask = ask_between_limits};
+            "proven, broken or undecided, " BETWEEN_HELP,
+    .no_rays = true, ROWS_OF(sgt_prove_between_limit_row, between_limits_columns),
+    OPTIONS_OF(sgt_prove_options), SETTINGS_OF(between_limits_settings), .ask = ask_between_limits};
