@@ -302,6 +302,7 @@ def test_single():
             run(*of, '--single', '--format', 'csv', '--shard', f'{k}/2', '--output', share)
         equal(run('join', *shares, exit=None).stdout, text)
     one = ('intersect', '--surface', SPHERE, '--single')
+    assert 'rounded to single precision' in run(*one, '--ray', '0 0 -5 0 0 1').stdout
     for more, words in ((('--ray', '0 0 -1e39 0 0 1'), 'oz: -1e+39 does not fit in single precision'),
                         (('--ray', '0 0 -5 0 0 1e-50'), 'its direction is 0 in single precision')):
         assert words in run(*one, *more, exit=BAD_INPUT).stderr

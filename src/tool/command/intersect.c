@@ -527,6 +527,7 @@ static void write_verdict(const intersect_work *w, size_t undecided)
     bool fast = options_fast(&a->shared, w->surface);
     table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide",
                undecided || fast || rays == 0 || a->shared.solver.proof ? "" : "  Every answer is certain.");
+    if (a->single) table_line(t, "All of the rays as they are rounded to single precision.");
     if (undecided && a->all) {
         table_line(t,
                    "In an undecided row, t +- t_err is a stretch that may hold roots, or none.  To see why,");
