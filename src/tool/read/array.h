@@ -58,7 +58,7 @@ static inline double array_float(const unsigned char *at)
     const uint32_t bits = at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
     float x;
     memcpy(&x, &bits, sizeof x);
-    return x;
+    return (double)x;
 }
 
 /* One of `size` bytes, at most 8. */
