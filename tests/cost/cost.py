@@ -96,7 +96,7 @@ def loops(lines):
 
 def wide_kernels(build):
     """{function: micro-operations of its loops} of the kernels for x86-64-v4."""
-    listing, name = run('objdump', '-d', '--no-show-raw-insn', str(build / 'src/libsagitta_v4.a')), None
+    listing, name = run('objdump', '-d', '--no-show-raw-insn', *map(str, sorted(build.glob('src/libsagitta_v4*.a')))), None
     lines = collections.defaultdict(list)
     for line in listing.splitlines():
         start = re.match(r'[0-9a-f]+ <([A-Za-z_]\w*)[\w.]*>:$', line)
