@@ -165,7 +165,8 @@ static mask_f conic_in_floats(const sag_f *s, bool other, size_t count, columns_
 }
 
 SGT_KERNEL
-static mask_f conic_in_floats_rich(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+SGT_NARROW(mask_f, sgt_conic_in_floats_rich,
+           (const sag_f *s, bool other, size_t count, columns_f r, rows_f to))
 {
     return other ? conic_in_lanes(s, true, true, count, r, to)
                  : conic_in_lanes(s, false, true, count, r, to);
@@ -251,7 +252,7 @@ static mask_f few_terms_f(const sag_f *s, bool other, size_t count, columns_f r,
 }
 
 SGT_KERNEL
-static mask_f few_terms_rich_f(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+SGT_NARROW(mask_f, sgt_few_terms_rich_f, (const sag_f *s, bool other, size_t count, columns_f r, rows_f to))
 {
     (void)other;
     return asphere_in_lanes(s, false, true, count, r, to);
@@ -265,7 +266,7 @@ static mask_f many_terms_f(const sag_f *s, bool other, size_t count, columns_f r
 }
 
 SGT_KERNEL
-static mask_f many_terms_rich_f(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+SGT_NARROW(mask_f, sgt_many_terms_rich_f, (const sag_f *s, bool other, size_t count, columns_f r, rows_f to))
 {
     (void)other;
     return asphere_in_lanes(s, true, true, count, r, to);
@@ -279,7 +280,7 @@ static mask_f plane_f(const sag_f *s, bool other, size_t count, columns_f r, row
 }
 
 SGT_KERNEL
-static mask_f plane_rich_f(const sag_f *s, bool other, size_t count, columns_f r, rows_f to)
+SGT_NARROW(mask_f, sgt_plane_rich_f, (const sag_f *s, bool other, size_t count, columns_f r, rows_f to))
 {
     (void)other;
     return plane_in_lanes(s, true, count, r, to);
@@ -318,8 +319,8 @@ static kernel_f *sag_f_of(const sgt_even_sag *e, bool first, bool rich, sag_f *s
     *s = (sag_f){.c = (float)c, .abs_c = (float)fabs(c), .k1 = (float)k1, .ck = (float)(k1 * c),
                  .extra = k1 < 0 ? above_f(2.01 * fabs(k1 * c)) : 0, .rim2 = below_f(r2 * (1 - 0x1p-15)),
                  .reach = below_f(0x1p17 * sqrt(r2)), .first = first};
-    if (e->terms == 0 && c == 0) return rich ? plane_rich_f : plane_f;
-    if (e->terms == 0) return rich ? conic_in_floats_rich : conic_in_floats;
+    if (e->terms == 0 && c == 0) return rich ? sgt_plane_rich_f : plane_f;
+    if (e->terms == 0) return rich ? sgt_conic_in_floats_rich : conic_in_floats;
     const double kk = k1 * c * c, phi2 = 1 - (kk > 0 ? kk * r2 : 0), phi = sqrt(phi2);
     if (!(rim > 0 && fabs(kk) * r2 < 1 - 0x1p-4)) return NULL;
     double slope = fabs(c) / phi, bend = fabs(c) / (phi * phi2), power = 1;
@@ -334,8 +335,8 @@ static kernel_f *sag_f_of(const sgt_even_sag *e, bool first, bool rich, sag_f *s
     if (!(slope * rim < 4)) return NULL; /* the gradient is known to 70 u of this */
     s->kk = (float)kk, s->kappa = above_f(slope * more), s->steep = above_f(slope * rim * more);
     s->bend = above_f(bend * more), s->rim = below_f(0x1p-14 * rim), s->rim2 = below_f(r2 * (1 - 0x1p-12));
-    if (e->terms > 4) return rich ? many_terms_rich_f : many_terms_f;
-    return rich ? few_terms_rich_f : few_terms_f;
+    if (e->terms > 4) return rich ? sgt_many_terms_rich_f : many_terms_f;
+    return rich ? sgt_few_terms_rich_f : few_terms_f;
 }
 
 /* ----------------------------------------------------------------------- a tile */

@@ -101,7 +101,8 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
 }
 
 /* The first root of a ray that starts on the surface, along a direction scaled as above. */
-static easy_answer on_first(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+SGT_NARROW(easy_answer, sgt_conic_on_first,
+           (const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e))
 {
     if (s->c == 0 || s->proof || opt->pick == SGT_NEAR_SEED || ray->tmin != 0) return EASY_NOT;
     double scale = scale_of(ray->d);
@@ -124,7 +125,8 @@ static easy_answer on_first(const bowl *s, const sgt_ray *ray, const sgt_options
 }
 
 /* From the side, else from on it, along a direction scaled as above. */
-static easy_answer side_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+SGT_NARROW(easy_answer, sgt_conic_side_else,
+           (const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e))
 {
     double scale = scale_of(ray->d);
     bool usual = usual_direction(scale), first = opt->pick != SGT_NEAR_SEED;
@@ -522,11 +524,11 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
          met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e);
     if (usual && !met) {
         lane other; /* not e, so that e stays in registers */
-        easy_answer answer = on_first(&b, ray, opt, &other);
+        easy_answer answer = sgt_conic_on_first(&b, ray, opt, &other);
         if (answer == EASY_NOT) answer = easy_else(&b, ray, opt, &other);
         if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
         met = answer == EASY_HIT;
-        if (!met && c != 0) answer = side_else(&b, ray, opt, &other);
+        if (!met && c != 0) answer = sgt_conic_side_else(&b, ray, opt, &other);
         if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
         met = answer == EASY_HIT;
         if (met) e = other;

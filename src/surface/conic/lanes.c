@@ -73,8 +73,8 @@ static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask 
 
 /* What is known of the far roots of all rays. */
 SGT_KERNEL
-static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far,
-                            double *slack)
+SGT_NARROW(void, sgt_conic_lanes_far,
+           (const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far, double *slack))
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
@@ -128,17 +128,18 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wis
     return lane_told(tile, &room->ends, 1, all);
 }
 
-#define LANES_NEARBY(name, plane, first, wish)                                                  \
-    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)         \
+#define NARROW_LANES_NEARBY(name, plane, first, wish)                                           \
+    SGT_KERNEL                                                                                  \
+    SGT_NARROW(size_t, name, (const bowl *s, const sgt_tile *tile, bowl_room *room))            \
     {                                                                                           \
         return lane_nearby(s, plane, first, wish, tile, room);                                  \
     }
 
-LANES_NEARBY(conic_lanes_plane_nearby, true, false, LANE_RICH)
-LANES_NEARBY(conic_lanes_near_nearby, false, false, LANE_PLAIN)
-LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
-LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
-LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
+NARROW_LANES_NEARBY(sgt_conic_lanes_plane_nearby, true, false, LANE_RICH)
+NARROW_LANES_NEARBY(sgt_conic_lanes_near_nearby, false, false, LANE_PLAIN)
+NARROW_LANES_NEARBY(sgt_conic_lanes_near_nearby_rich, false, false, LANE_RICH)
+NARROW_LANES_NEARBY(sgt_conic_lanes_first_nearby, false, true, LANE_PLAIN)
+NARROW_LANES_NEARBY(sgt_conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
 /* What leaves_from knows of a tile. */
 typedef struct leave_room {
@@ -161,7 +162,8 @@ typedef struct side_room {
  * another root does not matter, as it is gone, or may be, or near the seed; else a root is tried only if no
  * other comes before it.  Returns all bits set if there are any. */
 SGT_KERNEL
-static mask conic_lanes_tried(const bowl *self, const sgt_tile *tile, const mask *far_gone, mask *tried)
+SGT_NARROW(mask, sgt_conic_lanes_tried,
+           (const bowl *self, const sgt_tile *tile, const mask *far_gone, mask *tried))
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
@@ -201,12 +203,14 @@ SGT_INLINE void lane_sooner(const bowl *self, bool first, const sgt_tile *tile, 
 }
 
 SGT_KERNEL
-static void conic_lanes_sooner_first(const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried)
+SGT_NARROW(void, sgt_conic_lanes_sooner_first,
+           (const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried))
 {
     lane_sooner(s, true, tile, far_gone, tried);
 }
 SGT_KERNEL
-static void conic_lanes_sooner_near(const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried)
+SGT_NARROW(void, sgt_conic_lanes_sooner_near,
+           (const bowl *s, const sgt_tile *tile, const mask *far_gone, mask *tried))
 {
     lane_sooner(s, false, tile, far_gone, tried);
 }
@@ -254,40 +258,40 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, la
 }
 
 SGT_KERNEL
-static mask conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
+SGT_NARROW(mask, sgt_conic_lanes_guess_first, (const bowl *s, const sgt_tile *tile, side_room *r))
 {
     return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-static mask conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
+SGT_NARROW(mask, sgt_conic_lanes_guess_near, (const bowl *s, const sgt_tile *tile, side_room *r))
 {
     return lane_guess(s, false, tile, r);
 }
 SGT_KERNEL
-static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+SGT_NARROW(void, sgt_conic_lanes_side_first, (const bowl *s, const sgt_tile *tile, lane_to to, side_room *r))
 {
     lane_side(s, true, tile, to, r);
 }
 SGT_KERNEL
-static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
+SGT_NARROW(void, sgt_conic_lanes_side_near, (const bowl *s, const sgt_tile *tile, lane_to to, side_room *r))
 {
     lane_side(s, false, tile, to, r);
 }
 static mask conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
 {
-    return (first ? conic_lanes_guess_first : conic_lanes_guess_near)(s, tile, r);
+    return (first ? sgt_conic_lanes_guess_first : sgt_conic_lanes_guess_near)(s, tile, r);
 }
 
 static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, lane_to to, side_room *r)
 {
-    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
+    (first ? sgt_conic_lanes_side_first : sgt_conic_lanes_side_near)(s, tile, to, r);
 }
 
 /* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
  * then nothing else is tried for them.  Of the others it answers those that have no answer yet. */
 SGT_KERNEL
-static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away,
-                           mask *tried)
+SGT_NARROW(void, sgt_conic_lanes_on,
+           (const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away, mask *tried))
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -328,7 +332,8 @@ static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room
 
 /* The answers to the rays that have met it. */
 SGT_KERNEL
-static void conic_lanes_left(const bowl *self, const sgt_tile *tile, lane_to to, const leave_room *room)
+SGT_NARROW(void, sgt_conic_lanes_left,
+           (const bowl *self, const sgt_tile *tile, lane_to to, const leave_room *room))
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -373,7 +378,7 @@ static void conic_lanes_behind(const bowl *self, size_t count, const sgt_rays *f
 
 /* The first roots of rays that start on the surface, and of no others. */
 SGT_KERNEL
-static void conic_lanes_started(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
+SGT_NARROW(void, sgt_conic_lanes_started, (const bowl *self, const sgt_tile *tile, lane_to to, mask *away))
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -420,7 +425,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     lane_to to = lane_to_of(tile, &r.ends);
     conic_lanes_guess(s, first, tile, &r);
     conic_lanes_side(s, first, tile, to, &r);
-    if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
+    if (start) sgt_conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
 
@@ -428,7 +433,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 SGT_NOINLINE static size_t conic_lanes_on_first(const bowl *s, const sgt_tile *tile, mask *away)
 {
     lane_ends ends;
-    conic_lanes_started(s, tile, lane_to_of(tile, &ends), away);
+    sgt_conic_lanes_started(s, tile, lane_to_of(tile, &ends), away);
     return side_status(tile, ends.hit, away, NONE);
 }
 
@@ -509,8 +514,8 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_
     for (size_t j = few.n; j < n; j++) far_gone[j] = far_gone[few.n - 1], start[j] = start[few.n - 1];
     size_t left = n;
     if (first && any) left = conic_lanes_on_first(s, &few.tile, tried); /* mostly that is all */
-    if (8 * left > n && conic_lanes_tried(s, &few.tile, far_gone, tried))
-        (first ? conic_lanes_sooner_first : conic_lanes_sooner_near)(s, &few.tile, far_gone, tried);
+    if (8 * left > n && sgt_conic_lanes_tried(s, &few.tile, far_gone, tried))
+        (first ? sgt_conic_lanes_sooner_first : sgt_conic_lanes_sooner_near)(s, &few.tile, far_gone, tried);
     if (8 * left > n) conic_lanes_beside(s, first, &few.tile, any ? start : NULL, tried);
     return give_few(tile, out, &few);
 }
@@ -530,7 +535,7 @@ SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, l
             room->few[0][j] = room->tau[i], room->few[1][j] = room->tau_err[i];
             room->few[2][j] = room->inverse[i], room->few_met[j] = room->met[i];
         }
-        conic_lanes_left(s, &few.tile, lane_to_of(&few.tile, &room->ends), room);
+        sgt_conic_lanes_left(s, &few.tile, lane_to_of(&few.tile, &room->ends), room);
         side_status(&few.tile, room->ends.hit, NONE, NONE);
         left = give_few(tile, out, &few);
     }
@@ -592,9 +597,9 @@ static bool begins_close(const bowl *s, const sgt_tile *tile)
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish >= LANE_FINE, fine = wish == LANE_FINE, bare = wish == LANE_BARE;
-    if (nearby && s->c == 0) return conic_lanes_plane_nearby(s, tile, room);
+    if (nearby && s->c == 0) return sgt_conic_lanes_plane_nearby(s, tile, room);
     if (nearby)
-        return rich ? conic_lanes_near_nearby_rich(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
+        return (rich ? sgt_conic_lanes_near_nearby_rich : sgt_conic_lanes_near_nearby)(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
     if (bare && !s->proof)
@@ -611,7 +616,7 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
 {
     bool rich = wish >= LANE_FINE;
     if (nearby)
-        return rich ? conic_lanes_first_nearby_rich(s, tile, room) : conic_lanes_first_nearby(s, tile, room);
+        return (rich ? sgt_conic_lanes_first_nearby_rich : sgt_conic_lanes_first_nearby)(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
@@ -635,7 +640,7 @@ SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_
     size_t n = tile->n, sooner = 0;
     side_room r;
     memset(away, 0xff, n * sizeof *away), memset(tried, 0, n * sizeof *tried);
-    if (conic_lanes_guess(s, first, tile, &r) && conic_lanes_tried(s, tile, away, tried))
+    if (conic_lanes_guess(s, first, tile, &r) && sgt_conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
     conic_lanes_side(s, first, tile, lane_to_of(tile, &r.ends), &r);
@@ -830,7 +835,7 @@ bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *
     if (c == 0) memset(unique, 0xff, tile->n * sizeof *unique);
     if (c == 0 || sgt_lanes_monotone(&s, tile, unique)) return true;
     if (!bowl_of(c, k, s.rim2, false, &b)) return false;
-    conic_lanes_far(&b, tile, gone, accepted, far, slack);
+    sgt_conic_lanes_far(&b, tile, gone, accepted, far, slack);
     mask all = MASK(true);
     for (size_t i = 0; i < tile->n; i++) {
         unique[i] |= gone[i], all &= unique[i];

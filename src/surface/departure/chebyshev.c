@@ -182,8 +182,8 @@ static void chebyshev_product(size_t n, const double *a, const double *da, const
     for (size_t i = 0; i < n; i++) p[i] = a[i] * b[i], px[i] = da[i] * b[i], py[i] = a[i] * db[i];
 }
 
-static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                                   sag_values out)
+SGT_NARROW(void, sgt_chebyshev_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     const sgt_chebyshev *s = self;
     double a[DEPARTURE_BLOCK], da[DEPARTURE_BLOCK], b[DEPARTURE_BLOCK], db[DEPARTURE_BLOCK];
@@ -253,8 +253,9 @@ static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, c
         pyy[i] = pyy[i] * back_y * back_y;
 }
 
-static void chebyshev_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
-                             double *pxy, double *pyy)
+SGT_NARROW(void, sgt_chebyshev_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     chebyshev_bends(self, n, x, y, pxx, pxy, pyy);
 }
@@ -462,7 +463,8 @@ static sgt_objection chebyshev_object(const void *self)
 
 static const departure chebyshev_departure = {
     .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds,
-    .second = chebyshev_second, .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter,
+    .second = sgt_chebyshev_second, .parameters = chebyshev_parameters,
+    .by_parameter = sgt_chebyshev_by_parameter,
     .object = chebyshev_object, .noise = chebyshev_noise,
     .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along};
 

@@ -170,8 +170,9 @@ static void grid_bent(const sgt_grid *self, size_t n, const double *restrict px,
     }
 }
 
-static void grid_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
-                        double *pxy, double *pyy)
+SGT_NARROW(void, sgt_grid_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     grid_bent(self, n, x, y, pxx, pxy, pyy);
 }
@@ -322,7 +323,7 @@ void sgt_grid_measure(sgt_grid *g)
 static size_t grid_parameter_count(const void *self) { (void)self; return 0; }
 
 static const departure grid_departure = {
-    .at = grid_at, .rounding = grid_off, .bounds = grid_bounds, .second = grid_second,
+    .at = grid_at, .rounding = grid_off, .bounds = grid_bounds, .second = sgt_grid_second,
     .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise, .framed = true};
 
 static departure_sag grid_on_conic(const sgt_grid *g)

@@ -226,8 +226,9 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
     }
 }
 
-static void odd_bend(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
-                     double *pyy)
+SGT_NARROW(void, sgt_odd_bend,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     const sgt_odd_asphere *s = self;
     odd_second(n, odd_terms_of(s->a), s->a, x, y, pxx, pxy, pyy);
@@ -255,8 +256,8 @@ static void odd_power(size_t j, size_t n, const double *restrict x, const double
     }
 }
 
-static void odd_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                             sag_values out)
+SGT_NARROW(void, sgt_odd_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     (void)self;
     odd_power(j, n, x, y, out.p, out.px, out.py);
@@ -270,8 +271,9 @@ static sgt_objection odd_object(const void *self)
 }
 
 static const departure odd_asphere_departure = {
-    .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend,
-    .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise,
+    .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = sgt_odd_bend,
+    .parameters = odd_parameters, .by_parameter = sgt_odd_by_parameter, .object = odd_object,
+    .noise = odd_noise,
     .noises = odd_noises, .tail = odd_tail};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -226,8 +226,9 @@ static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x,
     }
 }
 
-static void xy_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
-                      double *pyy)
+SGT_NARROW(void, sgt_xy_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     polynomial_second(n, ((const sgt_polynomial_xy *)self)->a, x, y, pxx, pxy, pyy);
 }
@@ -258,8 +259,8 @@ static void monomial(size_t i, size_t j, size_t n, const double *restrict x, con
     }
 }
 
-static void xy_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                            sag_values out)
+SGT_NARROW(void, sgt_xy_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     size_t columns = ((const sgt_polynomial_xy *)self)->a.columns;
     monomial(j / columns, j % columns, n, x, y, out.p, out.px, out.py);
@@ -278,7 +279,7 @@ static sgt_objection xy_object(const void *self)
 }
 
 static const departure polynomial_xy_departure = {
-    .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = xy_second,
-    .parameters = xy_parameters, .by_parameter = xy_by_parameter, .object = xy_object, .noise = xy_noise};
+    .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = sgt_xy_second,
+    .parameters = xy_parameters, .by_parameter = sgt_xy_by_parameter, .object = xy_object, .noise = xy_noise};
 
 DEPARTURE_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

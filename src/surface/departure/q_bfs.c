@@ -307,8 +307,9 @@ static void bfs_noise(const void *self, double radius, double e[2])
 /* By r^2, with primes by v and V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V'
  * / norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
 SGT_KERNEL
-static void bfs_second(const void *self, size_t n, const double *restrict x, const double *restrict y,
-                       double *restrict pxx, double *restrict pxy, double *restrict pyy)
+SGT_NARROW(void, sgt_q_bfs_second,
+           (const void *self, size_t n, const double *restrict x, const double *restrict y,
+            double *restrict pxx, double *restrict pxy, double *restrict pyy))
 {
     const sgt_q_bfs *bfs = self;
     const double c = bfs->c, norm2 = bfs->norm * bfs->norm;
@@ -336,8 +337,8 @@ static size_t bfs_parameters(const void *self)
     return a.rows * a.columns;
 }
 
-static void bfs_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                             sag_values out)
+SGT_NARROW(void, sgt_q_bfs_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     const sgt_q_bfs *s = self;
     double unit[Q_TERMS] = {0};
@@ -375,7 +376,7 @@ static sgt_objection bfs_object(const void *self)
 
 static const departure q_bfs_departure = {
     .at = bfs_at, .rounding = bfs_rounding, .bounds = bfs_bounds_over, .range = bfs_range,
-    .second = bfs_second, .parameters = bfs_parameters, .by_parameter = bfs_by_parameter,
+    .second = sgt_q_bfs_second, .parameters = bfs_parameters, .by_parameter = sgt_q_bfs_by_parameter,
     .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail};
 
 static departure_sag on_sphere(const sgt_q_bfs *s)

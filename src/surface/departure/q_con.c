@@ -159,8 +159,9 @@ static void con_noise(const void *self, double radius, double e[2])
 
 /* By v, P' = v (2 S + v S') and P'' = 2 S + v (4 S' + v S''). */
 SGT_KERNEL
-static void con_second(const void *self, size_t n, const double *restrict x, const double *restrict y,
-                       double *restrict pxx, double *restrict pxy, double *restrict pyy)
+SGT_NARROW(void, sgt_q_con_second,
+           (const void *self, size_t n, const double *restrict x, const double *restrict y,
+            double *restrict pxx, double *restrict pxy, double *restrict pyy))
 {
     const sgt_q_con *con = self;
     const double norm2 = con->norm * con->norm;
@@ -179,7 +180,7 @@ static void con_second(const void *self, size_t n, const double *restrict x, con
 
 /* P'' along the radius and P'/r across it are polynomials of v, of degree `terms` at most.  They are summed
  * to less than 2^-30 of `most`, the sum of the bounds of their terms (16 of them; Clenshaw, as in q.h). */
-static bool con_bent(const void *self, double radius, double most, sgt_interval *out)
+SGT_NARROW(bool, sgt_q_con_bent, (const void *self, double radius, double most, sgt_interval *out))
 {
     const sgt_q_con *s = self;
     const size_t nodes = SAMPLES_A_DEGREE * q_terms(s->a);
@@ -188,7 +189,7 @@ static bool con_bent(const void *self, double radius, double most, sgt_interval 
     if (nodes == 0 || nodes > DEPARTURE_BLOCK) return false;
     /* v = (1 + cos a) / 2 where u = cos(a / 2) */
     for (size_t j = 0; j < nodes; j++) x[j] = radius * sample_node(j, 2 * nodes), y[j] = 0;
-    con_second(self, nodes, x, y, along, mixed, across);
+    sgt_q_con_second(self, nodes, x, y, along, mixed, across);
     bool finite = true;
     for (size_t j = 0; j < nodes; j++) {
         double low = along[j] < across[j] ? along[j] : across[j], high = larger(along[j], across[j]);
@@ -205,8 +206,8 @@ static size_t con_parameters(const void *self)
     return a.rows * a.columns;
 }
 
-static void con_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                             sag_values out)
+SGT_NARROW(void, sgt_q_con_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     const sgt_q_con *s = self;
     double unit[Q_TERMS] = {0};
@@ -222,8 +223,9 @@ static sgt_objection con_object(const void *self)
 }
 
 static const departure q_con_departure = {
-    .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second,
-    .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise,
-    .tail = con_tail, .bent = con_bent};
+    .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = sgt_q_con_second,
+    .parameters = con_parameters, .by_parameter = sgt_q_con_by_parameter, .object = con_object,
+    .noise = con_noise,
+    .tail = con_tail, .bent = sgt_q_con_bent};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

@@ -99,8 +99,9 @@ static double sum_tail(const void *self, double radius)
     return sum;
 }
 
-static void sum_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
-                       double *pyy)
+SGT_NARROW(void, sgt_sum_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     const sgt_sum *s = self;
     double xx[DEPARTURE_BLOCK], xy[DEPARTURE_BLOCK], yy[DEPARTURE_BLOCK];
@@ -119,8 +120,8 @@ static size_t sum_parameters(const void *self)
     return count;
 }
 
-static void sum_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                             sag_values out)
+SGT_NARROW(void, sgt_sum_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     const sgt_sum *s = self;
     const sgt_surface *term = s->terms;
@@ -145,8 +146,10 @@ static sgt_objection sum_object(const void *self)
 }
 
 static const departure sum_departure = {
-    .at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .range = sum_range, .second = sum_second,
-    .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise,
+    .at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .range = sum_range,
+    .second = sgt_sum_second,
+    .parameters = sum_parameters, .by_parameter = sgt_sum_by_parameter, .object = sum_object,
+    .noise = sum_noise,
     .tail = sum_tail};
 
 DEPARTURE_ON_CONIC(sum, sgt_sum)

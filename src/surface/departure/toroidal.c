@@ -414,8 +414,9 @@ static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *rest
     }
 }
 
-static void toroidal_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
-                            double *pxy, double *pyy)
+SGT_NARROW(void, sgt_toroidal_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     toroidal_bent(self, n, x, y, pxx, pxy, pyy);
 }
@@ -465,8 +466,8 @@ static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const doub
     }
 }
 
-static void toroidal_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y,
-                                     sag_values out)
+SGT_NARROW(void, sgt_toroidal_by_parameter_of,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     toroidal_by(self, j, n, x, y, out.p, out.px, out.py);
 }
@@ -485,9 +486,9 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .rounding = toroidal_off,
                                              .bounds = toroidal_bounds,
                                              .range = sgt_toroidal_range,
-                                             .second = toroidal_second,
+                                             .second = sgt_toroidal_second,
                                              .parameters = toroidal_parameter_count,
-                                             .by_parameter = toroidal_by_parameter_of,
+                                             .by_parameter = sgt_toroidal_by_parameter_of,
                                              .object = toroidal_objection,
                                              .noise = toroidal_noise,
                                              .noise_about = sgt_toroidal_noise_about,

@@ -242,8 +242,8 @@ static void zernike_at(const void *self, size_t n, const double *x, const double
 
 static size_t zernike_parameters(const void *self) { return length(self); }
 
-static void zernike_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
-                                 sag_values out)
+SGT_NARROW(void, sgt_zernike_by_parameter,
+           (const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out))
 {
     zernike_sums(self, j, n, x, y, out.p, out.px, out.py);
 }
@@ -354,8 +354,9 @@ static void bends_at(const sgt_zernike *z, size_t n, const double *x, const doub
     }
 }
 
-static void zernike_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
-                           double *pxy, double *pyy)
+SGT_NARROW(void, sgt_zernike_second,
+           (const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+            double *pyy))
 {
     zernike_bends(self, n, x, y, pxx, pxy, pyy);
 }
@@ -471,7 +472,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     return 1;
 }
 
-static bool zernike_bent(const void *self, double radius, double most, sgt_interval *out)
+SGT_NARROW(bool, sgt_zernike_bent, (const void *self, double radius, double most, sgt_interval *out))
 {
     const sgt_zernike *z = self;
     double sum[MOST_DEGREE + 1], x[DEPARTURE_BLOCK] = {0}, y[DEPARTURE_BLOCK] = {0}, at[DEPARTURE_BLOCK];
@@ -498,8 +499,8 @@ static sgt_objection zernike_object(const void *self)
 }
 
 static const departure zernike_departure = {
-    .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = zernike_second,
-    .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = zernike_object,
-    .noise = zernike_noise, .bent = zernike_bent};
+    .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = sgt_zernike_second,
+    .parameters = zernike_parameters, .by_parameter = sgt_zernike_by_parameter, .object = zernike_object,
+    .noise = zernike_noise, .bent = sgt_zernike_bent};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)
