@@ -11,7 +11,7 @@ written out one by one, three for v3 and seven for v4).  A loop that has not bec
 least a quarter of the scalar ones for v3 and an eighth for v4 (a tenth, if those are below 64).  The scalar ones include what is worked
 out once for all rays.  In the kernels that do most of the work, certain operations must be packed.
 
-    python3 vectorised.py LIBRARY...            whose names tell the set: libsagitta_v3.a, libsagitta_v3_small.a
+    python3 vectorised.py LIBRARY...      their names tell the set: libsagitta_v3.a, libsagitta_v3_small.a
 """
 import collections
 import re
