@@ -9,7 +9,7 @@
  *     v3      x86-64: AVX2 and the fused multiply-add
  *     v4      x86-64: AVX-512
  *
- * But not all: what gains nothing by AVX-512 (narrow_sources of meson.build: single rays, proofs, boxes;
+ * But not all: what gains nothing by AVX-512 (narrow_files of meson.build: single rays, proofs, boxes;
  * and what SGT_NARROW marks) v4 has from v3, and narrow_names.h says so to both.  Where there is more than
  * one set, base is compiled to be small.  A narrow file may be given a surface with the operations of v4: it
  * compares tables only after in_set, of what the program gave.

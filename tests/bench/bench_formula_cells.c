@@ -13,7 +13,7 @@
 
 typedef void encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
                       double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
-/* v4 has those of v3: narrow_sources in src/meson.build. */
+/* v4 has those of v3: narrow_files in src/meson.build. */
 extern encloses sgt_formula_encloses_base, sgt_formula_encloses_v3;
 
 static double now(void)

@@ -22,7 +22,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The functions of the room, of each set.  (v4 has those of v3: narrow_sources in src/meson.build.) */
+/* The functions of the room, of each set.  (v4 has those of v3: narrow_files in src/meson.build.) */
 typedef void encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
                       sgt_enclosures out);
 extern encloses sgt_formula_encloses_base, sgt_formula_encloses_v3;
