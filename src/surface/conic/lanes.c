@@ -109,19 +109,53 @@ LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 
-/* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
- * tiles are met so. */
+/* A root as the last loop finds it in the room: if t, point and gradient are all that is wanted.  A place in
+ * t0 is pz, one in small is the end's `near`. */
+SGT_INLINE void room_take(bowl_room *room, size_t i, const root_there *r)
+{
+    room->x[i] = r->at.x, room->y[i] = r->at.y, room->tau[i] = r->at.tau, room->t[i] = r->at.t;
+    room->t_err[i] = chosen(r->also, r->at.t_err, (double)NAN);
+    room->t0[i] = r->pz, room->small[i] = r->near;
+}
+
+SGT_INLINE lane room_end(const bowl *s, const bowl_room *room, size_t i, mask exact, const sgt_ray *ray,
+                         double t_tol)
+{
+    const root_there r = {.at = {.x = room->x[i],
+                                 .y = room->y[i],
+                                 .tau = room->tau[i],
+                                 .t = room->t[i],
+                                 .t_err = room->t_err[i]},
+                          .pz = room->t0[i],
+                          .w = s->ck * room->t0[i],
+                          .near = room->small[i],
+                          .exact = exact,
+                          .also = MASK(true)};
+    return lane_of_root(s, &r, ray, t_tol);
+}
+
+/* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY). */
 SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wish wish, const sgt_tile *tile,
                               bowl_room *room)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own;
+    const bool two = wish == LANE_PLAIN;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < (two ? count : 0); i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const root_there r = sharper_root(s, first, &ray, t_tol[i]);
+        room_take(room, i, &r);
+    }
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        lane e = plane ? plane_at_start(s, &ray, t_tol[i]) : easy_or_nearby(s, first, &ray, t_tol[i]);
+        lane e = two     ? room_end(s, room, i, at_vertex(ray.o.x, ray.o.y, ray.o.z), &ray, t_tol[i])
+                 : plane ? plane_at_start(s, &ray, t_tol[i])
+                         : easy_or_nearby(s, first, &ray, t_tol[i]);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -218,24 +252,31 @@ SGT_INLINE mask side_usual(const sgt_ray *ray)
     return MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80);
 }
 
-/* Returns all bits set if any of the rays may be tried before. */
-SGT_INLINE mask lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+/* What the guesses of a tile say: may any of its rays be tried before, or be gone where it first meets the
+ * surface? */
+typedef struct side_guesses {
+    mask tried, twice;
+} side_guesses;
+
+/* A ray that is not to be met here has NaN for `at`, and is not. */
+SGT_INLINE side_guesses lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    mask tried = 0, twice = 0;
+    _Pragma("omp simd reduction(| : tried, twice)") for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_guess a = side_guess_of(s, first, &ray);
-        r->at[i] = a.at, r->away[i] = a.away & side_usual(&ray);
-        any |= a.tried;
+        const side_guess a = side_guess_of(s, first, &ray);
+        const mask usual = side_usual(&ray);
+        r->at[i] = chosen(usual, a.at, (double)NAN), r->away[i] = a.away & usual;
+        tried |= a.tried, twice |= a.twice;
     }
-    return any;
+    return (side_guesses){tried, twice};
 }
 
-/* met_from_side of all rays. */
+/* met_from_side of all rays: rich. */
 SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, lane_to to, side_room *r)
 {
     const sgt_rays rows = tile->rays;
@@ -246,23 +287,49 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, la
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
-        mask usual = side_usual(&ray) & ~r->away[i];
-        a.e.hit &= usual, r->away[i] |= a.away & usual;
+        const side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
+        r->away[i] |= a.away;
         LANE_STORE(to, i, a.e, LANE_RICH);
     }
 }
 
+/* The same where t, point and gradient are all that is wanted.  quick: no root has to be shown to be gone. */
+SGT_INLINE void lane_side_plain(const bowl *self, bool first, bool quick, const sgt_tile *tile, lane_to to,
+                                side_room *r, bowl_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    bowl own = *self, *s = &own;
+    size_t count = tile->n;
+    own.proof = false;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_left a = side_root_at(s, first, quick, r->at[i], &ray);
+        const side_place *p = &a.root;
+        const root_there q = side_there(s, &p->at, p->tau, p->tau_err, p->inverse, p->wanted, &ray);
+        if (!quick) r->away[i] |= a.away;
+        room_take(room, i, &q);
+    }
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        lane e = room_end(s, room, i, MASK(false), &ray, t_tol[i]);
+        LANE_STORE(to, i, e, LANE_PLAIN);
+    }
+}
+
 SGT_KERNEL
-static mask conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
+static side_guesses conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
 {
     return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-static mask conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
+static side_guesses conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
 {
     return lane_guess(s, false, tile, r);
 }
+
 SGT_KERNEL
 static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
 {
@@ -273,14 +340,34 @@ static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to t
 {
     lane_side(s, false, tile, to, r);
 }
-static mask conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
+
+#define LANES_SIDE(name, first, quick)                                                                       \
+    SGT_KERNEL static void name(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r,                \
+                                bowl_room *room)                                                             \
+    {                                                                                                        \
+        lane_side_plain(s, first, quick, tile, to, r, room);                                                 \
+    }
+
+LANES_SIDE(conic_lanes_side_first_quick, true, true)
+LANES_SIDE(conic_lanes_side_first_plain, true, false)
+LANES_SIDE(conic_lanes_side_near_quick, false, true)
+
+static side_guesses conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
 {
     return (first ? conic_lanes_guess_first : conic_lanes_guess_near)(s, tile, r);
 }
 
-static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, lane_to to, side_room *r)
+/* room: NULL, or free for what loops leave for each other. */
+static void conic_lanes_side(const bowl *s, bool first, bool quick, const sgt_tile *tile, lane_to to,
+                             side_room *r, bowl_room *room)
 {
-    (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
+    const bool plain = room && lane_wish_of(tile) < LANE_FINE;
+    if (plain && quick)
+        (first ? conic_lanes_side_first_quick : conic_lanes_side_near_quick)(s, tile, to, r, room);
+    else if (plain && first)
+        conic_lanes_side_first_plain(s, tile, to, r, room);
+    else
+        (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
 }
 
 /* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
@@ -419,7 +506,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     side_room r;
     lane_to to = lane_to_of(tile, &r.ends);
     conic_lanes_guess(s, first, tile, &r);
-    conic_lanes_side(s, first, tile, to, &r);
+    conic_lanes_side(s, first, false, tile, to, &r, NULL);
     if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
@@ -628,17 +715,19 @@ SGT_INLINE bool runs_along(const bowl *s, const sgt_tile *tile)
 /* A tile that runs along the surface: rays from the side first, then misses.  Returns false if a single ray
  * would try more than an eighth of them from the vertex plane, or from on the surface; then nothing is
  * answered. */
-SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
+SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, bowl_room *room,
+                                           size_t *hard)
 {
     sgt_status *status = tile->hits.status;
     mask tried[SGT_TILE], away[SGT_TILE], start[SGT_TILE];
     size_t n = tile->n, sooner = 0;
     side_room r;
     memset(away, 0xff, n * sizeof *away), memset(tried, 0, n * sizeof *tried);
-    if (conic_lanes_guess(s, first, tile, &r) && conic_lanes_tried(s, tile, away, tried))
+    const side_guesses guess = conic_lanes_guess(s, first, tile, &r);
+    if (guess.tried && conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
-    conic_lanes_side(s, first, tile, lane_to_of(tile, &r.ends), &r);
+    conic_lanes_side(s, first, !guess.twice, tile, lane_to_of(tile, &r.ends), &r, room);
     *hard = side_status(tile, r.ends.hit, r.away, tried);
     if (8 * *hard <= n) return true;
     conic_lanes_away(s, tile, away, tried, start);
@@ -674,7 +763,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     size_t hard = tile->n;
     if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) &&
-        conic_lanes_along(&s, first, tile, &hard))
+        conic_lanes_along(&s, first, tile, &room.easy, &hard))
         return hard;
     const bool at_once = first && !s.proof;
     if (at_once && from == LEAVING && !in_vertex(tile)) {
