@@ -44,31 +44,36 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
     return lane_told(tile, &room->ends, 1, all);
 }
 
-/* easy_away of all rays. */
+/* easy_away of all rays.  Returns all bits set if all of them miss. */
 SGT_KERNEL
-static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone, mask *start)
+static mask conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone, mask *start)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
         verdicts v = easy_away(s, &ray);
         away[i] = v.away, far_gone[i] = v.far_gone, start[i] = v.start;
+        all &= v.away;
     }
+    return all;
 }
 
 SGT_KERNEL
-static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
+static mask conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    LANES
-    for (size_t i = 0; i < count; i++) {
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
         away[i] = plane_away(s, &ray);
+        all &= away[i];
     }
+    return all;
 }
 
 /* What is known of the far roots of all rays. */
@@ -178,8 +183,6 @@ LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 typedef struct leave_room {
     double tau[SGT_TILE], tau_err[SGT_TILE], inverse[SGT_TILE], behind[SGT_TILE];
     mask start[SGT_TILE], away[SGT_TILE], met[SGT_TILE];
-    double few[3][SGT_TILE]; /* tau, tau_err, inverse of a few rays */
-    mask few_met[SGT_TILE];
     lane_ends ends;
 } leave_room;
 
@@ -392,6 +395,15 @@ static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *s
     }
 }
 
+/* Writes that all rays of a tile miss.  rows: none has been written yet. */
+static size_t lane_all_missed(const sgt_tile *tile, bool rows)
+{
+    if (rows) lane_nothing(tile);
+    memset(tile->hits.status, SGT_MISS, tile->n);
+    if (tile->hits.evals) memset(tile->hits.evals, 0, tile->n * sizeof *tile->hits.evals);
+    return 0;
+}
+
 /* leaves_from of all rays.  Returns true if all of them miss, and their sides are known. */
 SGT_KERNEL
 static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room *room)
@@ -413,9 +425,9 @@ static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room
     return all != 0;
 }
 
-/* The answers to the rays that have met it. */
-SGT_KERNEL
-static void conic_lanes_left(const bowl *self, const sgt_tile *tile, lane_to to, const leave_room *room)
+/* The answers to the rays that have met it.  (Of all rays: to put them side by side takes longer.) */
+SGT_INLINE void lane_left(const bowl *self, lane_wish wish, const sgt_tile *tile, lane_to to,
+                          const leave_room *room)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -425,10 +437,21 @@ static void conic_lanes_left(const bowl *self, const sgt_tile *tile, lane_to to,
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const side_place r =
-            left_in_doubles(s, room->few[0][i], room->few[1][i], room->few[2][i], room->few_met[i], &ray);
+            left_in_doubles(s, room->tau[i], room->tau_err[i], room->inverse[i], room->met[i], &ray);
         lane e = side_hit(s, &r.at, r.tau, r.tau_err, r.inverse, r.wanted, &ray, t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
+        LANE_STORE(to, i, e, wish);
     }
+}
+
+SGT_KERNEL
+static void conic_lanes_left(const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room)
+{
+    lane_left(s, LANE_PLAIN, tile, to, room);
+}
+SGT_KERNEL
+static void conic_lanes_left_rich(const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room)
+{
+    lane_left(s, LANE_RICH, tile, to, room);
 }
 
 /* Which points are on the surface, as a ray's start is?  1 or 0. */
@@ -537,8 +560,8 @@ static void take_few(const sgt_tile *tile, double out[][SGT_TILE], few_rays *f)
                                    of->d[2], of->tmin, of->tmax, tile->t_tol};
     double(*ray)[SGT_TILE] = f->ray;
     size_t n = 0, lanes;
-    for (size_t i = 0; i < tile->n; i++)
-        if (tile->hits.status[i] == SGT_HARD) f->number[n++] = (unsigned char)i;
+    for (size_t i = 0; i < tile->n; i++) /* no branch: which rays are hard is not foreseen */
+        f->number[n] = (unsigned char)i, n += tile->hits.status[i] == SGT_HARD;
     for (lanes = n; lanes % 8 != 0; lanes++) f->number[lanes] = f->number[n - 1];
     for (size_t j = 0; j < lanes; j++) {
         const size_t i = f->number[j];
@@ -602,25 +625,20 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_
     return give_few(tile, out, &few);
 }
 
-/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (The rows of the
- * rays of which leaves_from knows that they have met it are put side by side, too.) */
+/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (If these are few,
+ * they are put side by side, and asked once more whether they are met.) */
 SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, leave_room *room,
                                           double out[][SGT_TILE])
 {
-    few_rays few;
-    size_t left = side_status(tile, NONE, room->away, NONE);
-    lane_nothing(tile);
-    if (left) {
-        take_few(tile, out, &few);
-        for (size_t j = 0; j < few.tile.n; j++) {
-            size_t i = few.number[j]; /* j at least, but for the last */
-            room->few[0][j] = room->tau[i], room->few[1][j] = room->tau_err[i];
-            room->few[2][j] = room->inverse[i], room->few_met[j] = room->met[i];
-        }
-        conic_lanes_left(s, &few.tile, lane_to_of(&few.tile, &room->ends), room);
-        side_status(&few.tile, room->ends.hit, NONE, NONE);
-        left = give_few(tile, out, &few);
-    }
+    const lane_to to = lane_to_of(tile, &room->ends);
+    const mask *hit = room->ends.hit;
+    mask others = 0;
+    for (size_t i = 0; i < tile->n; i++) others -= ~room->away[i];
+    if (16 * others > tile->n)
+        (lane_wish_of(tile) < LANE_FINE ? conic_lanes_left : conic_lanes_left_rich)(s, tile, to, room);
+    else
+        lane_nothing(tile), hit = NONE;
+    const size_t left = side_status(tile, hit, room->away, NONE);
     memset(room->met, 0xff, tile->n * sizeof *room->met);
     return left ? conic_lanes_few(s, true, tile, room->met, room->start, out) : 0;
 }
@@ -632,7 +650,10 @@ SGT_NOINLINE static bool conic_lanes_leaving(const bowl *s, const sgt_tile *tile
 {
     leave_room room;
     size_t n = tile->n, starts = 0;
-    conic_lanes_leave(s, tile, &room);
+    if (conic_lanes_leave(s, tile, &room)) {
+        *hard = lane_all_missed(tile, true);
+        return true;
+    }
     for (size_t i = 0; i < n; i++) starts += room.start[i] != 0;
     if (2 * starts < n) return false;
     *hard = lane_left_over(s, tile, &room, out);
@@ -781,9 +802,9 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                      : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
-    if (c == 0) conic_lanes_plane_away(&s, tile, away);
-    else
-        conic_lanes_away(&s, tile, away, far_gone, start);
+    const mask all = c == 0 ? conic_lanes_plane_away(&s, tile, away)
+                            : conic_lanes_away(&s, tile, away, far_gone, start);
+    if (all) return lane_all_missed(tile, later);
     mask nearest = 0; /* rays whose near root may be accepted and was not computed */
     for (size_t i = 0; i < tile->n; i++) {
         if (at_once) far_gone[i] &= ~start[i];
@@ -887,12 +908,7 @@ size_t sgt_conic_leave(double c, double k, double semi_diameter, const sgt_tile 
     if (c == 0) return plane_leave(tile, behind);
     bool all = conic_lanes_leave(&s, tile, &room);
     memcpy(behind, room.behind, n * sizeof *behind);
-    if (all) {
-        lane_nothing(tile);
-        memset(status, SGT_MISS, n);
-        if (tile->hits.evals) memset(tile->hits.evals, 0, n * sizeof *tile->hits.evals);
-        return 0;
-    }
+    if (all) return lane_all_missed(tile, true);
     for (size_t i = 0; i < n; i++) off += !room.start[i] | (behind[i] == 0); /* not known to be on it */
     if (8 * off > n) return n;
     for (size_t i = 0; off && i < n; i++) behind[i] = room.start[i] ? behind[i] : 0;

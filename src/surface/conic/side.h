@@ -347,13 +347,13 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
          sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round)),
          start = MASK(ray->tmin == 0) & is_on_quadric(s, x, y, z);
     double inverse = 1 / B, t = sgt_fma(G, inverse, 2 * B / A), at = fabs(t), across = fabs(l) + fabs(m),
-           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y),
+           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y), pz = sgt_fma(t, n, z),
            tau_err = 1.01 * SGT_U *
                      sgt_fma(fabs(inverse), sgt_fma(sgt_fma(2 * Aa, at, 4 * bent), at, 6 * terms), 5 * at);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
          near = MASK(at * across <= 0x1p8 * (fabs(px) + fabs(py))),
-         gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near)),
+         gone = MASK(t < 0) | MASK(at * (1 - 0x1p-20) > ray->tmax) |
+                (low & near & (MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)))),
          away = known & gone & MASK(ray->tmax > 0) & start;
     return (side_start){.away = away,
                         .met = known & start & ~away & MASK(tau_err <= 38 * SGT_U * at) &
