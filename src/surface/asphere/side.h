@@ -83,9 +83,10 @@ enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 5 };
  *   edge2        r^2 of the rim or the equator, made greater by 2^-20
  *   high, low    the sag within it is between -low and high
  *   bowl         c + 2 a[0]
+ *   abs_ck       |(1 + k) c|
  *   ck_lo        what (1 + k) c is more than its double */
 typedef struct convex {
-    double sign, round, constant, flat[ALL_TERMS], ckc, bent2, edge2, edge, high, low, bowl, ck_lo;
+    double sign, round, constant, flat[ALL_TERMS], ckc, abs_ck, bent2, edge2, edge, high, low, bowl, ck_lo;
     bool everywhere; /* no term has the other sign */
 } convex;
 
@@ -93,7 +94,8 @@ typedef struct convex {
 SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
 {
     enum { RINGS_OF_BEND = 16 };
-    double least[RINGS_OF_BEND], own[ALL_TERMS] = {0}, width = b->edge2 * (1.0 / RINGS_OF_BEND);
+    double least[RINGS_OF_BEND], own[ALL_TERMS] = {0},
+           width = b->edge2 * ((1 + 0x1p-9) / RINGS_OF_BEND); /* so that wavy_r2 of the edge is within the last */
     int rings = 0;
     for (int i = 1; i < ALL_TERMS; i++)
         own[i] = larger(b->sign * s->a[i], 0) * ((2 * i + 2) * (2 * i + 1));
@@ -114,6 +116,7 @@ SGT_INLINE convex convex_of(const wavy *s)
     convex b = {.sign = s->c != 0 ? copysign(1, s->c) : 0,
                 .round = s->abs_c,
                 .ckc = s->ck * s->c,
+                .abs_ck = s->abs_ck,
                 .edge2 = s->domain2 * (1 + 0x1p-20),
                 .bowl = s->c + 2 * s->a[0],
                 .ck_lo = sgt_fma(s->k1, s->c, -s->ck) + two_sum(1, s->k).lo * s->c,
@@ -346,10 +349,12 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
 }
 
 /* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
- * away: it certainly misses.  chord: the stretch is known.  afar: it may be made shorter. */
+ * away: it certainly misses.  chord: the stretch is known.  r2: where it begins.  afar: it is to be made shorter
+ * (side_way_of).  That is left where S is convex as far out, and z is of no great height: there F tells the
+ * sign at the beginning. */
 typedef struct side_stretch {
     side_local q;
-    double t0, from, to;
+    double t0, from, to, r2;
     mask away, chord, afar;
 } side_stretch;
 
@@ -379,17 +384,19 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, const sgt_ray *ray)
     mask away = usual & MASK(fabs(across) > sqrt(a) * b->edge * (1 + 0x1p-20) + 0x1p-48 * beside * side);
     away |= chord & (MASK(from > to) | MASK(smaller(z1, z2) - unsure > b->high) |
                      MASK(larger(z1, z2) + unsure < -b->low));
-    return (side_stretch){q, t0, from, to, away, chord, MASK(z1 * n <= 0)};
+    double r2 = wavy_r2(q.x, q.y, from, l, m);
+    return (side_stretch){q,    t0,   from,  to,
+                          r2,   away, chord, MASK(z1 * n <= 0) & (MASK(r2 > b->bent2) |
+                                                                  MASK(b->abs_ck * fabs(z1) > 0.5))};
 }
 
-/* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
-SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from,
-                                const sgt_ray *ray)
+/* The stretch made shorter at its beginning, if it is afar. */
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_stretch *of, const sgt_ray *ray)
 {
-    const double l = ray->d.x, m = ray->d.y;
-    side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
-    way = comes_near(s, terms, way, 0, q, ray);
-    return comes_near(s, terms, way, 0, q, ray);
+    side_way way = {of->from, of->r2, 0};
+    if (!of->afar) return way;
+    way = comes_near(s, terms, way, 0, &of->q, ray);
+    return comes_near(s, terms, way, 0, &of->q, ray);
 }
 
 /* Does sigma F rise or fall where a ray starts on the surface?  Neither: it is not known to start there. */
@@ -518,12 +525,18 @@ SGT_INLINE twofold horner_long(const double *a, int terms, double rho)
     return h;
 }
 
-/* SHARP.  The answer of a blunt root: G once more, at the double nearest to the root as far as it is known.
- */
-SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side_found *found,
-                           const side_round *end, const sgt_ray *ray, double t_tol)
+/* SHARP.  A blunt root: G once more, at the double nearest to the root as far as it is known.  It is at t0,
+ * the point there is q, and the root beside it is what side_lane takes. */
+typedef struct side_sharper {
+    side_local q;
+    double t0;
+    wavy_round root;
+} side_sharper;
+
+SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, double t0, double inverse,
+                                   const side_round *end, const sgt_ray *ray, double t_tol)
 {
-    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, at = found->t0 + end->at.tau;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, at = t0 + end->at.tau;
     twofold X = place_of_root(ray->o.x, at, l), Y = place_of_root(ray->o.y, at, m),
             Z = place_of_root(ray->o.z, at, n), xx = two_product(X.hi, X.hi), yy = two_product(Y.hi, Y.hi),
             r2 = two_sum(xx.hi, yy.hi), h = horner_long(s->a, terms, r2.hi);
@@ -535,9 +548,9 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
     double w_lo = w.lo + (Z.lo + sgt_fma(-dp, rho_lo, sgt_fma(-rho, h.lo, p.lo))),
            lo = bent.lo + (sgt_fma(s->c, rho_lo, round.lo) +
                            sgt_fma(s->ck, sgt_fma(2 * w.hi, w_lo, ww.lo), sgt_fma(b->ck_lo, ww.hi, cww.lo))),
-           g = g2.hi + (g2.lo + (w_lo - 0.5 * lo)), ckw = s->ck * w.hi, ai = fabs(found->inverse);
+           g = g2.hi + (g2.lo + (w_lo - 0.5 * lo)), ckw = s->ck * w.hi, ai = fabs(inverse);
     const side_local q = {X.hi, Y.hi, Z.hi, rho};
-    double noise = 0x1p-94 * side_noise(s, &q, rho, Z.hi, first, g, w.hi, ckw), tau = -g * found->inverse,
+    double noise = 0x1p-94 * side_noise(s, &q, rho, Z.hi, first, g, w.hi, ckw), tau = -g * inverse,
            size = fabs(tau),
            tau_err =
                sgt_fma(1.16, sgt_fma(size, end->off, noise * ai), sgt_fma(4 * SGT_U, size, 0x1p-1000 * ai));
@@ -551,9 +564,7 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
                              .tau_err = chosen(same, tau_err, (double)NAN),
                              .v = sgt_fma(-s->ck, tau * dw, 1 - ckw), /* at the root */
                              .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), fabs(Z.hi)), size)};
-    side_found there = *found;
-    there.t0 = at;
-    return side_lane(s, b, terms, &q, &there, &root, ray, t_tol);
+    return (side_sharper){q, at, root};
 }
 
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
