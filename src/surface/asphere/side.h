@@ -12,7 +12,7 @@
  * That is c sigma at least, or, if (1 + k) c^2 < 0, what it is at R.  The terms add (2 i + 2) (2 i + 1) a[i]
  * r^(2 i); those of the sign of sigma are left out, but for a[0], which is constant.
  *
- * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in sixteen
+ * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in thirty-two
  * rings of the same area up to the rim or the equator.  In each the terms of the sign of sigma are taken at
  * the inner edge, the others at the outer one.  The base is |c| (1 + 1.5 (1 + k) c^2 r^2) at least, the
  * tangent at r = 0 of a convex function of r^2.  S is convex up to the first ring in which this does not
@@ -29,7 +29,7 @@
  * half of what the rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND
  * of easy.h), the root at the start is the only one within H, and is not accepted.  At H F has the sign of
  * its slope.  So if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls,
- * it falls on: a ray that is within R all along misses.
+ * it falls on: a ray that is within R all along misses, and any ray does where S is convex to its end.
  *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
@@ -54,11 +54,14 @@
  * both are within 5/8 H of it. So by the mean value theorem, with the slope s of THE BOUND, R = T - G / s (1
  * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
  *
- * THE POINT.  Rounding of x, y and z0 takes it off the surface by u of their parts of F.  So a ray is met
- * only if |x F_x| + |y F_y| <= 4 |z| and |z0| <= 2 |z| there.
+ * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
+ * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.
  *
- * PAST THE HEIGHTS of the surface within the rim or the equator (wavy_ahead) there is no root, so a stretch
- * ends where the ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
+ * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as S'(0)
+ * = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it (wavy_ahead).
+ *
+ * PAST THE HEIGHTS of the surface within the rim or the equator there is no root, so a stretch ends where the
+ * ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
  * convex.
  *
  * AN END of a stretch is moved outward: in r^2 by 2^-20, in t by 2^-50 of its terms.  So nothing rests on its
@@ -87,13 +90,13 @@ enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 5 };
  *   ck_lo        what (1 + k) c is more than its double */
 typedef struct convex {
     double sign, round, constant, flat[ALL_TERMS], ckc, abs_ck, bent2, edge2, edge, high, low, bowl, ck_lo;
-    bool everywhere; /* no term has the other sign */
+    bool everywhere, whole; /* no term has the other sign; sigma S'' >= 0 wherever S is */
 } convex;
 
 /* r^2 up to which sigma S'' >= 0, by rings; 0 if it is not known. */
 SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
 {
-    enum { RINGS_OF_BEND = 16 };
+    enum { RINGS_OF_BEND = 32 };
     double least[RINGS_OF_BEND], own[ALL_TERMS] = {0},
            width = b->edge2 * ((1 + 0x1p-9) / RINGS_OF_BEND); /* so that wavy_r2 of the edge is within the last */
     int rings = 0;
@@ -107,8 +110,15 @@ SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
                    horner(b->flat, ALL_TERMS, out) * (1 + 0x1p-20) - 0x1p-900;
     }
     while (rings < RINGS_OF_BEND && least[rings] > 0) rings++;
-    double r2 = rings * width, most = b->ckc > 0 ? (1 - 0x1p-9) / b->ckc : HUGE_VAL;
-    return r2 < 0x1p400 ? (r2 < most ? r2 : most) : 0; /* a NaN, without an edge: 0 */
+    double r2 = rings * width;
+    return r2 < 0x1p400 ? r2 : 0; /* a NaN, without an edge: 0 */
+}
+
+/* The sag where it ends.  phi may be 0 there, so the base is off by 2^-25 of itself. */
+SGT_INLINE double sag_at_edge(const wavy *s, const convex *b)
+{
+    const double r2 = s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
+    return s->c * r2 / (1 + phi) * (1 + 0x1p-24) + r2 * horner(s->a, ALL_TERMS, r2);
 }
 
 SGT_INLINE convex convex_of(const wavy *s)
@@ -130,8 +140,15 @@ SGT_INLINE convex convex_of(const wavy *s)
     b.constant = 2 * larger(b.sign * s->a[0], 0);
     b.edge = sqrt(b.edge2);
     b.bent2 = bent_by_rings(s, &b);
+    b.whole = b.bent2 > b.edge2;
+    const double most2 = b.ckc > 0 ? (1 - 0x1p-9) / b.ckc : HUGE_VAL; /* S ends at the equator: no end there */
+    b.bent2 = smaller(b.bent2, most2);
     if (b.edge2 < HUGE_VAL) {
         b.high = wavy_ahead(s, ALL_TERMS, b.edge2, -1), b.low = wavy_ahead(s, ALL_TERMS, b.edge2, 1);
+        if (b.whole) { /* HEIGHTS */
+            double most = b.sign * sag_at_edge(s, &b) + 0x1p-30 * (b.high + b.low);
+            b.high = b.sign > 0 ? smaller(most, b.high) : 0, b.low = b.sign < 0 ? smaller(most, b.low) : 0;
+        }
     } else {
         bool rises = s->c > 0, falls = s->c < 0;
         for (int i = 0; i < ALL_TERMS; i++) rises = rises || s->a[i] > 0, falls = falls || s->a[i] < 0;
@@ -461,7 +478,7 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     begin.above = (begin.above & ~on.falls) | on.rises, begin.below &= ~(on.rises | on.falls);
     double both = larger(ask->way.r2, end.r2), half = q->x * l + q->y * m;
     mask bent = is_convex(b, terms, both),
-         away = chord & ((begin.above & end.above) | on.falls) & bent;
+         away = chord & ((begin.above & end.above & bent) | (on.falls & (bent | MASK(b->whole))));
     double A = side_bend(s, b, ray), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
            sum = B + copysign(sqrt(larger(D, 0)), B);
@@ -507,7 +524,7 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
                  is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
     lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
-                         MASK(fabs(g) * rho <= 4 * fabs(pz)));
+                         MASK(fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y))) <= 12 * fabs(pz)));
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
