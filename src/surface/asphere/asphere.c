@@ -717,7 +717,7 @@ static mask asphere_lanes_graze(const wavy *self, double bent2, const sgt_tile *
     return all;
 }
 
-/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some rays do not graze. */
+/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze. */
 SGT_NOINLINE static bool asphere_all_graze(const wavy *v, const sgt_tile *tile, easy_tried *tried)
 {
     const size_t n = tile->n;

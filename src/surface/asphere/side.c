@@ -375,8 +375,9 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
         memset(r->below, 0, n * sizeof *r->below);
     }
     for (int k = 0; k < 2 && left; k++) {
-        const beside_said some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
-                                     : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
+        const beside_said some =
+            few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
+                : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
         if (k == 0) memcpy(r->on, r->close, n * sizeof *r->on);
         if (k > 0 || !some.close || !asphere_beside_on(s, b, tile, r)) {
             left = some.any != 0;

@@ -57,8 +57,9 @@
  * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
  * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.
  *
- * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as S'(0)
- * = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it (wavy_ahead).
+ * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as
+ * S'(0) = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it
+ * (wavy_ahead).
  *
  * PAST THE HEIGHTS of the surface within the rim or the equator there is no root, so a stretch ends where the
  * ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
@@ -98,7 +99,7 @@ SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
 {
     enum { RINGS_OF_BEND = 32 };
     double least[RINGS_OF_BEND], own[ALL_TERMS] = {0},
-           width = b->edge2 * ((1 + 0x1p-9) / RINGS_OF_BEND); /* so that wavy_r2 of the edge is within the last */
+           width = b->edge2 * ((1 + 0x1p-9) / RINGS_OF_BEND); /* wavy_r2 of the edge is in the last */
     int rings = 0;
     for (int i = 1; i < ALL_TERMS; i++)
         own[i] = larger(b->sign * s->a[i], 0) * ((2 * i + 2) * (2 * i + 1));
@@ -141,7 +142,7 @@ SGT_INLINE convex convex_of(const wavy *s)
     b.edge = sqrt(b.edge2);
     b.bent2 = bent_by_rings(s, &b);
     b.whole = b.bent2 > b.edge2;
-    const double most2 = b.ckc > 0 ? (1 - 0x1p-9) / b.ckc : HUGE_VAL; /* S ends at the equator: no end there */
+    const double most2 = b.ckc > 0 ? (1 - 0x1p-9) / b.ckc : HUGE_VAL; /* at the equator S ends */
     b.bent2 = smaller(b.bent2, most2);
     if (b.edge2 < HUGE_VAL) {
         b.high = wavy_ahead(s, ALL_TERMS, b.edge2, -1), b.low = wavy_ahead(s, ALL_TERMS, b.edge2, 1);
@@ -366,9 +367,9 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
 }
 
 /* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
- * away: it certainly misses.  chord: the stretch is known.  r2: where it begins.  afar: it is to be made shorter
- * (side_way_of).  That is left where S is convex as far out, and z is of no great height: there F tells the
- * sign at the beginning. */
+ * away: it certainly misses.  chord: the stretch is known.  r2: where it begins.  afar: it is to be made
+ * shorter (side_way_of).  That is left where S is convex as far out, and z is of no great height: there F
+ * tells the sign at the beginning. */
 typedef struct side_stretch {
     side_local q;
     double t0, from, to, r2;

@@ -327,7 +327,8 @@ SGT_INLINE root_there nearby_root(const bowl *s, const near_root *at, const sgt_
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
                 & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S) &
                 MASK(4 * D > s->flat * a);
-    return (root_there){r, pz, w, around / fabs(n), exact, same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8)};
+    same &= (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8);
+    return (root_there){r, pz, w, around / fabs(n), exact, same};
 }
 
 SGT_INLINE lane lane_of_root(const bowl *s, const root_there *r, const sgt_ray *ray, double t_tol)

@@ -344,11 +344,11 @@ static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to t
     lane_side(s, false, tile, to, r);
 }
 
-#define LANES_SIDE(name, first, quick)                                                                       \
-    SGT_KERNEL static void name(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r,                \
-                                bowl_room *room)                                                             \
-    {                                                                                                        \
-        lane_side_plain(s, first, quick, tile, to, r, room);                                                 \
+#define LANES_SIDE(name, first, quick)                                                         \
+    SGT_KERNEL static void name(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r, \
+                                bowl_room *room)                                               \
+    {                                                                                          \
+        lane_side_plain(s, first, quick, tile, to, r, room);                                   \
     }
 
 LANES_SIDE(conic_lanes_side_first_quick, true, true)
@@ -625,8 +625,8 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_
     return give_few(tile, out, &few);
 }
 
-/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (If these are few,
- * they are put side by side, and asked once more whether they are met.) */
+/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (If these are
+ * few, they are put side by side, and asked once more whether they are met.) */
 SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, leave_room *room,
                                           double out[][SGT_TILE])
 {

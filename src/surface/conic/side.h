@@ -53,8 +53,8 @@
  *
  * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), |c| within 2^+-60, and |1 + k|
  * below 2^61.  What underflows is below 2^-900, and Ca is taken to be greater by 2^-400: no part in 2^300 of
- * u^2 of it.  In D that is below 2^-690, as A is below 2^206, or a part in 2^600 of B^2.  What overflows makes
- * tau_err or D no finite number. */
+ * u^2 of it.  In D that is below 2^-690, as A is below 2^206, or a part in 2^600 of B^2.  What overflows
+ * makes tau_err or D no finite number. */
 #ifndef SGT_SURFACE_CONIC_SIDE_H
 #define SGT_SURFACE_CONIC_SIDE_H
 
@@ -101,7 +101,7 @@ SGT_INLINE mask may_start_on(const bowl *s, const sgt_ray *ray)
     return MASK(fabs(G) <= 0x1p-44 * ((fabs(cr2) + fabs(wz)) + fabs(z)));
 }
 
-/* Is the root at t = t0 + tau off the sheet, beyond the rim or outside of the ends, as far as doubles tell? */
+/* Is the root at t0 + tau off the sheet, beyond the rim or outside of the ends, as far as doubles tell? */
 SGT_INLINE mask side_outside(const bowl *s, const side_origin *q, double tau, const sgt_ray *ray)
 {
     double px = sgt_fma(tau, ray->d.x, q->x), py = sgt_fma(tau, ray->d.y, q->y),
@@ -352,8 +352,8 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
                      sgt_fma(fabs(inverse), sgt_fma(sgt_fma(2 * Aa, at, 4 * bent), at, 6 * terms), 5 * at);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
          near = MASK(at * across <= 0x1p8 * (fabs(px) + fabs(py))),
-         gone = MASK(t < 0) | MASK(at * (1 - 0x1p-20) > ray->tmax) |
-                (low & near & (MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)))),
+         beyond = MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)),
+         gone = MASK(t < 0) | MASK(at * (1 - 0x1p-20) > ray->tmax) | (low & near & beyond),
          away = known & gone & MASK(ray->tmax > 0) & start;
     return (side_start){.away = away,
                         .met = known & start & ~away & MASK(tau_err <= 38 * SGT_U * at) &
