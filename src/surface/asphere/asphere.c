@@ -718,10 +718,10 @@ static mask asphere_lanes_graze(const wavy *self, double bent2, const sgt_tile *
 }
 
 /* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze. */
-SGT_NOINLINE static bool asphere_all_graze(const wavy *v, const sgt_tile *tile, easy_tried *tried)
+SGT_NOINLINE static bool asphere_all_graze(const wavy *v, double bent2, const sgt_tile *tile,
+                                           easy_tried *tried)
 {
     const size_t n = tile->n;
-    const double bent2 = convex_of(v).bent2;
     sgt_tile one = *tile;
     one.n = 1;
     if (!asphere_lanes_graze(v, bent2, &one) || !asphere_lanes_graze(v, bent2, tile)) return false;
@@ -747,12 +747,16 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             const sgt_rays rows = tile->rays;
             const sgt_ray ray = lane_ray_of(&rows, 0);
+            const bool along = !near && v.side && wavy_along(&ray);
+            convex b;
+            if (along) b = convex_of(&v);
             size_t hard = tile->n;
-            if (near || !v.side || !wavy_along(&ray) || !asphere_all_graze(&v, tile, &tried))
+            if (!along || !asphere_all_graze(&v, b.bent2, tile, &tried))
                 hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && v.side;
-            if (beside) hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
+            if (beside && !along) b = convex_of(&v);
+            if (beside) hard = sgt_asphere_lanes_beside(&v, &h, &b, !near, tile, hard, &tried);
             return 8 * hard > tile->n ? asphere_without_passing(&h, beside, tile, &tried, hard)
                                       : hard; /* a few go one by one */
         }

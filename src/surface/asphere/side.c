@@ -458,12 +458,11 @@ SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, co
 }
 
 /* Answers hard rays of a tile. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const easy_tried *tried)
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
+                                const sgt_tile *tile, size_t before, const easy_tried *tried)
 {
     beside_room r;
-    const convex b = convex_of(s);
-    const beside of = {s, &b, h->terms <= FEW_TERMS, first};
+    const beside of = {s, b, h->terms <= FEW_TERMS, first};
     size_t hard = 0;
     if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {

@@ -608,7 +608,7 @@ typedef struct easy_tried {
 } easy_tried;
 
 /* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const easy_tried *tried);
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
+                                const sgt_tile *tile, size_t before, const easy_tried *tried);
 
 #endif
