@@ -341,9 +341,14 @@ static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_til
     lane_grazing(s, bent2, ALL_TERMS, tile, room);
 }
 
+/* convex_of, once in the code of the loops. */
+SGT_NOINLINE static void tile_bend_of(const wavy *s, convex *b) { *b = convex_of(s); }
+
 SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
-    const double bent2 = convex_of(s).bent2;
+    convex b;
+    tile_bend_of(s, &b);
+    const double bent2 = b.bent2;
     (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
@@ -749,13 +754,13 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             const sgt_ray ray = lane_ray_of(&rows, 0);
             const bool along = !near && v.side && wavy_along(&ray);
             convex b;
-            if (along) b = convex_of(&v);
+            if (along) tile_bend_of(&v, &b);
             size_t hard = tile->n;
             if (!along || !asphere_all_graze(&v, b.bent2, tile, &tried))
                 hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && v.side;
-            if (beside && !along) b = convex_of(&v);
+            if (beside && !along) tile_bend_of(&v, &b);
             if (beside) hard = sgt_asphere_lanes_beside(&v, &h, &b, !near, tile, hard, &tried);
             return 8 * hard > tile->n ? asphere_without_passing(&h, beside, tile, &tried, hard)
                                       : hard; /* a few go one by one */
