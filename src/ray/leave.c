@@ -877,6 +877,30 @@ SGT_NOINLINE static size_t leave_others(sgt_surface s, size_t n, const sgt_start
     return met;
 }
 
+/* Puts into `side` what hits tell of it.  known: how many do; open: how many others do not miss. */
+SGT_KERNEL
+static void sides_known(size_t n, const double *state, const double *told, double *restrict side,
+                        double *known, double *open)
+{
+    double hits = 0, others = 0;
+    _Pragma("omp simd reduction(+ : hits, others)") for (size_t i = 0; i < n; i++)
+    {
+        const mask is = MASK(told[i] != OPEN);
+        side[i] = chosen(is, told[i], side[i]);
+        hits += chosen(is, 1, 0), others += chosen(is | MASK(state[i] == SGT_MISS), 0, 1);
+    }
+    *known = hits, *open = others;
+}
+
+/* Sides as bytes: two loops, as in states_of. */
+SGT_KERNEL
+static void bytes_of(size_t n, const double *of, signed char *restrict to)
+{
+    int wide[SGT_TILE];
+    LANES for (size_t i = 0; i < n; i++) wide[i] = (int)of[i];
+    LANES for (size_t i = 0; i < n; i++) to[i] = (signed char)wide[i];
+}
+
 /* A tile of starts of which the surface itself answers some.  Returns false, and answers nothing, if there
  * are none; else the others are asked side by side, or one by one if they are few. */
 SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *from, size_t at,
@@ -884,7 +908,7 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
                                      size_t *met)
 {
     static const double none[SGT_TILE];
-    double tmax[SGT_TILE], behind[SGT_TILE], own[4][SGT_TILE];
+    double tmax[SGT_TILE], behind[SGT_TILE], state[SGT_TILE], own[4][SGT_TILE];
     sgt_status status[SGT_TILE];
     const double *p_err = from->p_err ? from->p_err + at : NULL;
     sgt_tile tile = {.n = n,
@@ -902,24 +926,26 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
     for (int k = 0; k < 3 && !normals; k++) to->n[k] = own[k + 1];
     const size_t hard = s.ops->own_->leave(s.self, &tile, behind);
     if (hard == n) return false;
-    for (size_t i = 0; side && i < n; i++) side[at + i] = (signed char)behind[i];
-    if (to->status[0] == SGT_MISS && memcmp(to->status, to->status + 1, n - 1) == 0) return true;
+    if (to->status[0] == SGT_MISS && memcmp(to->status, to->status + 1, n - 1) == 0) {
+        if (side) bytes_of(n, behind, side + at);
+        return true;
+    }
     const bool together = 8 * hard > n;
-    double *state = behind, *told = tmax; /* not read any more */
+    double *told = tmax; /* not read any more */
     for (size_t i = 0; i < n; i += ASKS) states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
     sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
                  p_err ? p_err : none, to->t, state, told);
-    for (size_t i = 0; i < n; i++) {
-        if (told[i] != OPEN) {
-            if (side) side[at + i] = (signed char)told[i];
-            ++*met;
-        } else if (to->status[i] != SGT_MISS && !(together && to->status[i] == SGT_HARD)) {
-            const sgt_start start = start_of(from, at + i);
-            const sgt_crossing c = sgt_leave(s, &start, opt);
-            *met += c.hit.status > 0;
-            put_hit(to, i, &c.hit);
-            if (side) side[at + i] = (signed char)c.side;
-        }
+    double known, open;
+    sides_known(n, state, told, behind, &known, &open);
+    *met += (size_t)known;
+    if (side) bytes_of(n, behind, side + at);
+    for (size_t i = 0; open != 0 && i < n; i++) {
+        if (told[i] != OPEN || to->status[i] == SGT_MISS || (together && to->status[i] == SGT_HARD)) continue;
+        const sgt_start start = start_of(from, at + i);
+        const sgt_crossing c = sgt_leave(s, &start, opt);
+        *met += c.hit.status > 0;
+        put_hit(to, i, &c.hit);
+        if (side) side[at + i] = (signed char)c.side;
     }
     if (together) *met += leave_others(s, n, from, at, to, side, opt);
     return true;

@@ -341,9 +341,14 @@ static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_til
     lane_grazing(s, bent2, ALL_TERMS, tile, room);
 }
 
+/* convex_of, once in the code of the loops. */
+SGT_NOINLINE static void tile_bend_of(const wavy *s, convex *b) { *b = convex_of(s); }
+
 SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
-    const double bent2 = convex_of(s).bent2;
+    convex b;
+    tile_bend_of(s, &b);
+    const double bent2 = b.bent2;
     (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
@@ -701,6 +706,37 @@ SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool nea
     return hard;
 }
 
+/* Do all rays of a tile graze, so that none begins?  (wavy_begin and wavy_hopeless do not matter then.) */
+SGT_KERNEL
+static mask asphere_lanes_graze(const wavy *self, double bent2, const sgt_tile *tile)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const vertex_place at = to_vertex_plane(&ray);
+        all &= wavy_grazes(s, bent2, ALL_TERMS, at.x, at.y, &ray);
+    }
+    return all;
+}
+
+/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze. */
+SGT_NOINLINE static bool asphere_all_graze(const wavy *v, double bent2, const sgt_tile *tile,
+                                           easy_tried *tried)
+{
+    const size_t n = tile->n;
+    sgt_tile one = *tile;
+    one.n = 1;
+    if (!asphere_lanes_graze(v, bent2, &one) || !asphere_lanes_graze(v, bent2, tile)) return false;
+    lane_nothing(tile);
+    memset(tile->hits.status, SGT_HARD, n);
+    for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 4;
+    memset(tried->begun, 0, n * sizeof *tried->begun), memset(tried->ended, 0, n * sizeof *tried->ended);
+    return true;
+}
+
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_even_asphere *s = self;
@@ -714,10 +750,18 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
-            size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
+            const sgt_rays rows = tile->rays;
+            const sgt_ray ray = lane_ray_of(&rows, 0);
+            const bool along = !near && v.side && wavy_along(&ray);
+            convex b;
+            if (along) tile_bend_of(&v, &b);
+            size_t hard = tile->n;
+            if (!along || !asphere_all_graze(&v, b.bent2, tile, &tried))
+                hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && v.side;
-            if (beside) hard = sgt_asphere_lanes_beside(&v, &h, !near, tile, hard, &tried);
+            if (beside && !along) tile_bend_of(&v, &b);
+            if (beside) hard = sgt_asphere_lanes_beside(&v, &h, &b, !near, tile, hard, &tried);
             return 8 * hard > tile->n ? asphere_without_passing(&h, beside, tile, &tried, hard)
                                       : hard; /* a few go one by one */
         }

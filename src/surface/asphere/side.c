@@ -25,7 +25,7 @@ SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale
     side_stretch r = side_stretch_of(&b, ray);
     if (r.away) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
-    side_question ask = {r.q, side_way_of(s, ALL_TERMS, &r.q, r.from, ray), r.to, r.chord, {0, 0}};
+    side_question ask = {r.q, side_way_of(s, ALL_TERMS, &r, ray), r.to, r.chord, {0, 0}};
     side_seed seed = side_seed_of(s, &b, ALL_TERMS, first, &ask, ray);
     local at = {.t0 = r.t0, .scale = scale};
     side_tell(h, from, w, &at, ask.way.from, SGT_PROBE);
@@ -45,10 +45,13 @@ SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale
     }
     side_round end = side_bound(s, ALL_TERMS, &r.q, r.t0, &step, ray, t_tol);
     side_tell(h, from, w, &at, step.tau2, SGT_NEWTON);
-    const side_found found = {r.t0, ask.way.r2, step.inverse, seed.above, seed.below};
-    if (end.blunt) side_tell(h, from, w, &at, end.at.tau, SGT_NEWTON);
-    *e = end.blunt ? side_sharp(s, &b, ALL_TERMS, &found, &end, ray, t_tol)
-                   : side_lane(s, &b, ALL_TERMS, &r.q, &found, &end.at, ray, t_tol);
+    side_sharper root = {r.q, r.t0, end.at};
+    if (end.blunt) {
+        side_tell(h, from, w, &at, end.at.tau, SGT_NEWTON);
+        root = side_sharp(s, &b, ALL_TERMS, r.t0, step.inverse, &end, ray, t_tol);
+    }
+    const side_found found = {root.t0, ask.way.r2, step.inverse, seed.above, seed.below};
+    *e = side_lane(s, &b, ALL_TERMS, &root.q, &found, &root.root, ray, t_tol);
     return e->hit && !w->stopped ? EASY_HIT : EASY_NOT;
 }
 
@@ -84,8 +87,7 @@ typedef struct beside_room {
     lane_ends ends;
 } beside_room;
 
-/* The stretch of each ray that is asked about: `asked` stays set where one is known.  Returns all bits set if
- * there are such. */
+/* The stretch of each ray: `asked` is set where one is known.  Returns all bits set if there are such. */
 SGT_KERNEL
 static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, beside_room *r)
 {
@@ -99,9 +101,12 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
         side_stretch one = side_stretch_of(b, &ray);
         r->x[i] = one.q.x, r->y[i] = one.q.y, r->z[i] = one.q.z, r->rho0[i] = one.q.rho0, r->t0[i] = one.t0,
         r->from[i] = one.from, r->to[i] = one.to;
-        mask hard = r->asked[i], left = hard & ~one.away & one.chord;
+        const double far = fabs(ray.o.x) + fabs(ray.o.y) + fabs(ray.o.z); /* the rays have not been checked */
+        mask hard = usual_length((ray.d.x * ray.d.x + ray.d.y * ray.d.y) + ray.d.z * ray.d.z) &
+                    MASK(far < HUGE_VAL),
+             left = hard & ~one.away & one.chord;
         r->away[i] = hard & one.away, r->asked[i] = left;
-        r->r2[i] = wavy_r2(one.q.x, one.q.y, one.from, ray.d.x, ray.d.y), r->off[i] = 0;
+        r->r2[i] = one.r2, r->off[i] = 0, r->close[i] = one.afar;
         afar |= left & one.afar;
         any |= left;
     }
@@ -109,7 +114,8 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
     return any;
 }
 
-/* Makes the stretches shorter, as side_way_of does.  off is set where `from` has moved.  (In a loop for each
+/* Makes the stretches that are afar (`close` tells) shorter, as side_way_of does.  off is set where `from`
+ * has moved.  (In a loop for each
  * round: of both in one gcc 12 makes branches.) */
 SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
 {
@@ -123,13 +129,18 @@ SGT_INLINE void beside_ways(const wavy *self, int terms, const sgt_tile *tile, b
             double from = r->from[i];
             side_way way = {from, r->r2[i], 0};
             way = comes_near(s, terms, way, 0, &(side_local){r->x[i], r->y[i], r->z[i], 0}, &ray);
-            r->from[i] = way.from, r->r2[i] = way.r2;
-            r->off[i] |= MASK(way.from > from);
+            mask afar = r->close[i];
+            r->from[i] = chosen(afar, way.from, from), r->r2[i] = chosen(afar, way.r2, r->r2[i]);
+            r->off[i] |= afar & MASK(way.from > from);
         }
 }
 
-/* The seeds.  Returns all bits set if a root is looked for. */
-SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
+/* The seeds.  any: a root is looked for; close: a ray may start on the surface, and has tmin = 0. */
+typedef struct beside_said {
+    mask any, close;
+} beside_said;
+
+SGT_INLINE beside_said beside_seeds(const wavy *self, const convex *bent, int terms, bool first,
                              const sgt_tile *tile, beside_room *r)
 {
     const sgt_rays rows = tile->rays;
@@ -137,8 +148,8 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
     const convex mine = *bent, *b = &mine;
     size_t count = tile->n;
     const mask *rises = r->rises, *falls = r->falls;
-    mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    mask any = 0, some = 0;
+    _Pragma("omp simd reduction(| : any, some)") for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const side_question ask = {{r->x[i], r->y[i], r->z[i], r->rho0[i]},
@@ -148,12 +159,13 @@ SGT_INLINE mask beside_seeds(const wavy *self, const convex *bent, int terms, bo
                                    {rises[i], falls[i]}};
         side_seed one = side_seed_of(s, b, terms, first, &ask, &ray);
         r->tau2[i] = one.tau, r->above[i] = one.above, r->below[i] = one.below;
-        r->away[i] |= one.away, r->close[i] = one.close & ~one.away;
+        mask close = one.close & ~one.away & MASK(ray.tmin == 0);
+        r->away[i] |= one.away, r->close[i] = close;
         mask again = one.above | one.below;
         r->again[i] = again;
-        any |= again;
+        any |= again, some |= close;
     }
-    return any;
+    return (beside_said){any, some};
 }
 
 /* Which of the rays that may start on the surface do?  Returns all bits set if some do. */
@@ -205,15 +217,13 @@ SGT_INLINE mask beside_step(const wavy *self, const convex *bent, int terms, boo
     return any;
 }
 
-/* Plain roots.  Returns all bits set if some are blunt; they are in `again`, and what side_sharp needs of
- * them in tau, step2 and dw. */
-SGT_INLINE mask beside_ends(const wavy *self, const convex *bent, int terms, const sgt_tile *tile, lane_to to,
-                            beside_room *r)
+/* Plain roots: tau_err is left in tau2, v in from, near in to.  Returns all bits set if some are blunt; they
+ * are in `again`, and what side_sharp needs of them in tau, step2 and dw. */
+SGT_INLINE mask beside_ends(const wavy *self, int terms, const sgt_tile *tile, beside_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
     const wavy own = *self, *s = &own;
-    const convex mine = *bent, *b = &mine;
     size_t count = tile->n;
     mask any = 0;
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
@@ -222,11 +232,9 @@ SGT_INLINE mask beside_ends(const wavy *self, const convex *bent, int terms, con
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
         wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
         side_round end = side_bound(s, terms, &q, r->t0[i], &h, &ray, t_tol[i]);
-        const side_found found = {r->t0[i], r->r2[i], h.inverse, r->above[i], r->below[i]};
-        lane e = side_lane(s, b, terms, &q, &found, &end.at, &ray, t_tol[i]);
         mask blunt = end.blunt & (r->above[i] | r->below[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
-        r->tau[i] = end.at.tau, r->step2[i] = end.rough, r->dw[i] = end.off, r->again[i] = blunt;
+        r->tau[i] = end.at.tau, r->tau2[i] = end.at.tau_err, r->from[i] = end.at.v, r->to[i] = end.at.near;
+        r->step2[i] = end.rough, r->dw[i] = end.off, r->again[i] = blunt;
         any |= blunt;
     }
     return any;
@@ -234,7 +242,7 @@ SGT_INLINE mask beside_ends(const wavy *self, const convex *bent, int terms, con
 
 /* side_sharp of the blunt roots. */
 SGT_INLINE void beside_sharp(const wavy *self, const convex *bent, int terms, const sgt_tile *tile,
-                             lane_to to, const beside_room *r)
+                             beside_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
@@ -244,10 +252,33 @@ SGT_INLINE void beside_sharp(const wavy *self, const convex *bent, int terms, co
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        const side_found found = {r->t0[i], r->r2[i], r->inverse[i], r->above[i], r->below[i]};
         const side_round end = {{.tau = r->tau[i]}, r->step2[i], r->dw[i], r->again[i]};
-        lane e = side_sharp(s, b, terms, &found, &end, &ray, t_tol[i]);
-        LANE_STORE_IF(to, i, e, r->again[i]);
+        const side_sharper e = side_sharp(s, b, terms, r->t0[i], r->inverse[i], &end, &ray, t_tol[i]);
+        const mask is = r->again[i];
+        r->x[i] = chosen(is, e.q.x, r->x[i]), r->y[i] = chosen(is, e.q.y, r->y[i]),
+        r->z[i] = chosen(is, e.q.z, r->z[i]), r->t0[i] = chosen(is, e.t0, r->t0[i]);
+        r->tau[i] = chosen(is, e.root.tau, r->tau[i]), r->tau2[i] = chosen(is, e.root.tau_err, r->tau2[i]);
+        r->from[i] = chosen(is, e.root.v, r->from[i]), r->to[i] = chosen(is, e.root.near, r->to[i]);
+    }
+}
+
+/* The answers. */
+SGT_INLINE void beside_told(const wavy *self, const convex *bent, int terms, lane_wish wish,
+                            const sgt_tile *tile, lane_to to, const beside_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_local q = {r->x[i], r->y[i], r->z[i], 0};
+        const side_found found = {r->t0[i], r->r2[i], r->inverse[i], r->above[i], r->below[i]};
+        const wavy_round at = {.tau = r->tau[i], .tau_err = r->tau2[i], .v = r->from[i], .near = r->to[i]};
+        lane e = side_lane(s, b, terms, &q, &found, &at, &ray, t_tol[i]);
+        LANE_STORE(to, i, e, wish);
     }
 }
 
@@ -256,27 +287,32 @@ SGT_INLINE void beside_sharp(const wavy *self, const convex *bent, int terms, co
     {                                                                                \
         beside_ways(s, terms, tile, r);                                              \
     }
-#define BESIDE_SEEDS(name, terms, first)                                                              \
-    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
-    {                                                                                                 \
-        return beside_seeds(s, b, terms, first, tile, r);                                             \
+#define BESIDE_SEEDS(name, terms, first)                                                  \
+    SGT_KERNEL static beside_said name(const wavy *s, const convex *b, const sgt_tile *tile, \
+                                       beside_room *r)                                    \
+    {                                                                                     \
+        return beside_seeds(s, b, terms, first, tile, r);                                 \
     }
 #define BESIDE_STEP(name, terms, turned)                                                              \
     SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
     {                                                                                                 \
         return beside_step(s, b, terms, turned, tile, r);                                             \
     }
-#define BESIDE_ENDS(name, terms)                                                                  \
-    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
-                                beside_room *r)                                                   \
-    {                                                                                             \
-        return beside_ends(s, b, terms, tile, to, r);                                             \
+#define BESIDE_ENDS(name, terms)                                                     \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, beside_room *r) \
+    {                                                                                \
+        return beside_ends(s, terms, tile, r);                                       \
     }
-#define BESIDE_SHARP(name, terms)                                                                 \
+#define BESIDE_SHARP(name, terms)                                                                     \
+    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        beside_sharp(s, b, terms, tile, r);                                                           \
+    }
+#define BESIDE_TOLD(name, terms, wish)                                                            \
     SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to, \
                                 const beside_room *r)                                             \
     {                                                                                             \
-        beside_sharp(s, b, terms, tile, to, r);                                                   \
+        beside_told(s, b, terms, wish, tile, to, r);                                              \
     }
 
 BESIDE_WAYS(asphere_beside_few_ways, FEW_TERMS)
@@ -293,6 +329,24 @@ BESIDE_ENDS(asphere_beside_few_ends, FEW_TERMS)
 BESIDE_ENDS(asphere_beside_ends, ALL_TERMS)
 BESIDE_SHARP(asphere_beside_few_sharp, FEW_TERMS)
 BESIDE_SHARP(asphere_beside_sharp, ALL_TERMS)
+BESIDE_TOLD(asphere_beside_few_told, FEW_TERMS, LANE_PLAIN)
+BESIDE_TOLD(asphere_beside_few_told_rich, FEW_TERMS, LANE_RICH)
+BESIDE_TOLD(asphere_beside_told, ALL_TERMS, LANE_RICH)
+
+/* Statuses.  Returns how many rays are left. */
+SGT_KERNEL
+static size_t beside_status(size_t n, const mask *hit, const mask *away, sgt_status *restrict status)
+{
+    mask hard = 0;
+    _Pragma("omp simd reduction(+ : hard)") for (size_t i = 0; i < n; i++)
+    {
+        mask met = hit[i], gone = away[i] & ~met;
+        status[i] = (signed char)((int)(met & (SGT_HIT - SGT_HARD)) + (int)(gone & (SGT_MISS - SGT_HARD)) +
+                                  SGT_HARD);
+        hard -= ~(met | gone);
+    }
+    return (size_t)hard;
+}
 
 /* The surface, and what is asked for. */
 typedef struct beside {
@@ -303,20 +357,15 @@ typedef struct beside {
 
 /* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
  * rounds of easy.h has taken one evaluation there.  Returns how many are left. */
-SGT_NOINLINE static size_t beside_all(const beside *of, const sgt_tile *tile, const bool *begun,
-                                      lane_to to, beside_room *r)
+SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sgt_tile *tile,
+                                      const bool *begun, lane_to to, beside_room *r)
 {
     const wavy *s = of->s;
     const convex *b = of->b;
     const bool few = of->few, first = of->first;
     const sgt_hits *hits = &tile->hits;
-    size_t hard = 0, n = tile->n;
-    for (size_t i = 0; i < n; i++) {
-        const double *const *o = tile->rays.o, *const *d = tile->rays.d;
-        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i],
-               far = fabs(o[0][i]) + fabs(o[1][i]) + fabs(o[2][i]); /* the rays have not been checked */
-        r->asked[i] = usual_length(d2) & MASK(far < HUGE_VAL), r->steps[i] = 0;
-    }
+    const size_t n = tile->n;
+    if (hits->evals) memset(r->steps, 0, n * sizeof *r->steps);
     bool left = asphere_beside_stretch(b, tile, r) != 0;
     if (left && r->afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, r);
     static const mask none[SIDE_TILE];
@@ -326,15 +375,12 @@ SGT_NOINLINE static size_t beside_all(const beside *of, const sgt_tile *tile, co
         memset(r->below, 0, n * sizeof *r->below);
     }
     for (int k = 0; k < 2 && left; k++) {
-        mask some = few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
-                        : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
-        mask starts = 0;
-        for (size_t i = 0; i < n && k == 0; i++) {
-            mask is = r->close[i] & MASK(tile->rays.tmin[i] == 0);
-            r->on[i] = is, starts |= is;
-        }
-        if (!starts || !asphere_beside_on(s, b, tile, r)) {
-            left = some != 0;
+        const beside_said some =
+            few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
+                : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
+        if (k == 0) memcpy(r->on, r->close, n * sizeof *r->on);
+        if (k > 0 || !some.close || !asphere_beside_on(s, b, tile, r)) {
+            left = some.any != 0;
             break;
         }
         r->rises = r->starts[0], r->falls = r->starts[1];
@@ -349,22 +395,20 @@ SGT_NOINLINE static size_t beside_all(const beside *of, const sgt_tile *tile, co
             else
                 again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
         }
-        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, b, tile, to, r);
-        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, to, r);
+        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, tile, r);
         for (size_t i = 0; blunt && hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
+        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, r);
+        (!few                  ? asphere_beside_told
+         : wish >= LANE_FINE ? asphere_beside_few_told_rich
+                               : asphere_beside_few_told)(s, b, tile, to, r);
     }
-    for (size_t i = 0; i < n; i++) {
-        bool met = r->ends.hit[i] != 0, gone = r->away[i] != 0;
-        hard += !(met || gone);
-        if (hits->evals) { /* of a hit and of a hard ray with that of F at the end */
-            int evals = (begun[i] ? hits->evals[i] : 2) + (r->asked[i] ? 2 : 0) + (r->on[i] ? 1 : 0) -
-                        (gone ? 1 : 0);
-            if (r->above[i] | r->below[i]) evals += r->steps[i] + 1;
-            hits->evals[i] = evals;
-        }
-        hits->status[i] = met ? SGT_HIT : gone ? SGT_MISS : SGT_HARD;
+    for (size_t i = 0; hits->evals && i < n; i++) { /* of a hit and of a hard ray with that of F at the end */
+        int evals = (begun[i] ? hits->evals[i] : 2) + (r->asked[i] ? 2 : 0) + (r->on[i] ? 1 : 0) -
+                    (r->away[i] ? 1 : 0);
+        if (r->above[i] | r->below[i]) evals += r->steps[i] + 1;
+        hits->evals[i] = evals;
     }
-    return hard;
+    return beside_status(n, r->ends.hit, r->away, hits->status);
 }
 
 /* The same for the hard rays of a tile alone: they are put side by side. */
@@ -398,7 +442,7 @@ SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, co
                                        .tmax = ray[7]},
                               .t_tol = ray[8],
                               .hits = {.status = status, .evals = hits->evals ? evals : NULL}};
-        hard += beside_all(of, &few, own, to, r);
+        hard += beside_all(of, LANE_RICH, &few, own, to, r);
         for (size_t j = 0; j < n; j++) {
             size_t k = number[j];
             hits->status[k] = status[j];
@@ -414,18 +458,17 @@ SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, co
 }
 
 /* Answers hard rays of a tile. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const easy_tried *tried)
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
+                                const sgt_tile *tile, size_t before, const easy_tried *tried)
 {
     beside_room r;
-    const convex b = convex_of(s);
-    const beside of = {s, &b, h->terms <= FEW_TERMS, first};
+    const beside of = {s, b, h->terms <= FEW_TERMS, first};
     size_t hard = 0;
     if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {
         n = tile->n - i < SIDE_TILE ? tile->n - i : SIDE_TILE;
         const sgt_tile part = tile_part(tile, i, n);
-        hard += beside_all(&of, &part, tried->begun + i, lane_to_of(&part, &r.ends), &r);
+        hard += beside_all(&of, lane_wish_of(&part), &part, tried->begun + i, lane_to_of(&part, &r.ends), &r);
     }
     return hard;
 }

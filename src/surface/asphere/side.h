@@ -12,7 +12,7 @@
  * That is c sigma at least, or, if (1 + k) c^2 < 0, what it is at R.  The terms add (2 i + 2) (2 i + 1) a[i]
  * r^(2 i); those of the sign of sigma are left out, but for a[0], which is constant.
  *
- * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in sixteen
+ * That is far from sharp where a term outgrows another.  So S'' is bounded ring by ring, too: in thirty-two
  * rings of the same area up to the rim or the equator.  In each the terms of the sign of sigma are taken at
  * the inner edge, the others at the outer one.  The base is |c| (1 + 1.5 (1 + k) c^2 r^2) at least, the
  * tangent at r = 0 of a convex function of r^2.  S is convex up to the first ring in which this does not
@@ -29,7 +29,7 @@
  * half of what the rule of the start allows, and G' keeps its sign within H = 4 (|G| + e) / |G'| (THE BOUND
  * of easy.h), the root at the start is the only one within H, and is not accepted.  At H F has the sign of
  * its slope.  So if sigma F rises at the start, it is > 0 at the beginning of what is left.  If it falls,
- * it falls on: a ray that is within R all along misses.
+ * it falls on: a ray that is within R all along misses, and any ray does where S is convex to its end.
  *
  * PASSING BY.  The sag within the rim, or up to the equator, is between two heights (wavy_ahead of easy.h).
  * If the ray is above or below both of them along its whole stretch, or if the stretch is empty, it misses.
@@ -54,11 +54,15 @@
  * both are within 5/8 H of it. So by the mean value theorem, with the slope s of THE BOUND, R = T - G / s (1
  * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
  *
- * THE POINT.  Rounding of x, y and z0 takes it off the surface by u of their parts of F.  So a ray is met
- * only if |x F_x| + |y F_y| <= 4 |z| and |z0| <= 2 |z| there.
+ * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
+ * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.
  *
- * PAST THE HEIGHTS of the surface within the rim or the equator (wavy_ahead) there is no root, so a stretch
- * ends where the ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
+ * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as
+ * S'(0) = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it
+ * (wavy_ahead).
+ *
+ * PAST THE HEIGHTS of the surface within the rim or the equator there is no root, so a stretch ends where the
+ * ray comes there.  So a ray that leaves needs no F next to the equator, and less has to be
  * convex.
  *
  * AN END of a stretch is moved outward: in r^2 by 2^-20, in t by 2^-50 of its terms.  So nothing rests on its
@@ -83,17 +87,19 @@ enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 5 };
  *   edge2        r^2 of the rim or the equator, made greater by 2^-20
  *   high, low    the sag within it is between -low and high
  *   bowl         c + 2 a[0]
+ *   abs_ck       |(1 + k) c|
  *   ck_lo        what (1 + k) c is more than its double */
 typedef struct convex {
-    double sign, round, constant, flat[ALL_TERMS], ckc, bent2, edge2, edge, high, low, bowl, ck_lo;
-    bool everywhere; /* no term has the other sign */
+    double sign, round, constant, flat[ALL_TERMS], ckc, abs_ck, bent2, edge2, edge, high, low, bowl, ck_lo;
+    bool everywhere, whole; /* no term has the other sign; sigma S'' >= 0 wherever S is */
 } convex;
 
 /* r^2 up to which sigma S'' >= 0, by rings; 0 if it is not known. */
 SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
 {
-    enum { RINGS_OF_BEND = 16 };
-    double least[RINGS_OF_BEND], own[ALL_TERMS] = {0}, width = b->edge2 * (1.0 / RINGS_OF_BEND);
+    enum { RINGS_OF_BEND = 32 };
+    double least[RINGS_OF_BEND], own[ALL_TERMS] = {0},
+           width = b->edge2 * ((1 + 0x1p-9) / RINGS_OF_BEND); /* wavy_r2 of the edge is in the last */
     int rings = 0;
     for (int i = 1; i < ALL_TERMS; i++)
         own[i] = larger(b->sign * s->a[i], 0) * ((2 * i + 2) * (2 * i + 1));
@@ -105,8 +111,15 @@ SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
                    horner(b->flat, ALL_TERMS, out) * (1 + 0x1p-20) - 0x1p-900;
     }
     while (rings < RINGS_OF_BEND && least[rings] > 0) rings++;
-    double r2 = rings * width, most = b->ckc > 0 ? (1 - 0x1p-9) / b->ckc : HUGE_VAL;
-    return r2 < 0x1p400 ? (r2 < most ? r2 : most) : 0; /* a NaN, without an edge: 0 */
+    double r2 = rings * width;
+    return r2 < 0x1p400 ? r2 : 0; /* a NaN, without an edge: 0 */
+}
+
+/* The sag where it ends.  phi may be 0 there, so the base is off by 2^-25 of itself. */
+SGT_INLINE double sag_at_edge(const wavy *s, const convex *b)
+{
+    const double r2 = s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
+    return s->c * r2 / (1 + phi) * (1 + 0x1p-24) + r2 * horner(s->a, ALL_TERMS, r2);
 }
 
 SGT_INLINE convex convex_of(const wavy *s)
@@ -114,6 +127,7 @@ SGT_INLINE convex convex_of(const wavy *s)
     convex b = {.sign = s->c != 0 ? copysign(1, s->c) : 0,
                 .round = s->abs_c,
                 .ckc = s->ck * s->c,
+                .abs_ck = s->abs_ck,
                 .edge2 = s->domain2 * (1 + 0x1p-20),
                 .bowl = s->c + 2 * s->a[0],
                 .ck_lo = sgt_fma(s->k1, s->c, -s->ck) + two_sum(1, s->k).lo * s->c,
@@ -127,8 +141,15 @@ SGT_INLINE convex convex_of(const wavy *s)
     b.constant = 2 * larger(b.sign * s->a[0], 0);
     b.edge = sqrt(b.edge2);
     b.bent2 = bent_by_rings(s, &b);
+    b.whole = b.bent2 > b.edge2;
+    const double most2 = b.ckc > 0 ? (1 - 0x1p-9) / b.ckc : HUGE_VAL; /* at the equator S ends */
+    b.bent2 = smaller(b.bent2, most2);
     if (b.edge2 < HUGE_VAL) {
         b.high = wavy_ahead(s, ALL_TERMS, b.edge2, -1), b.low = wavy_ahead(s, ALL_TERMS, b.edge2, 1);
+        if (b.whole) { /* HEIGHTS */
+            double most = b.sign * sag_at_edge(s, &b) + 0x1p-30 * (b.high + b.low);
+            b.high = b.sign > 0 ? smaller(most, b.high) : 0, b.low = b.sign < 0 ? smaller(most, b.low) : 0;
+        }
     } else {
         bool rises = s->c > 0, falls = s->c < 0;
         for (int i = 0; i < ALL_TERMS; i++) rises = rises || s->a[i] > 0, falls = falls || s->a[i] < 0;
@@ -346,10 +367,12 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
 }
 
 /* What is known of a ray before a root is looked for.  t0, q: the local origin.  from, to: the stretch.
- * away: it certainly misses.  chord: the stretch is known.  afar: it may be made shorter. */
+ * away: it certainly misses.  chord: the stretch is known.  r2: where it begins.  afar: it is to be made
+ * shorter (side_way_of).  That is left where S is convex as far out, and z is of no great height: there F
+ * tells the sign at the beginning. */
 typedef struct side_stretch {
     side_local q;
-    double t0, from, to;
+    double t0, from, to, r2;
     mask away, chord, afar;
 } side_stretch;
 
@@ -379,17 +402,19 @@ SGT_INLINE side_stretch side_stretch_of(const convex *b, const sgt_ray *ray)
     mask away = usual & MASK(fabs(across) > sqrt(a) * b->edge * (1 + 0x1p-20) + 0x1p-48 * beside * side);
     away |= chord & (MASK(from > to) | MASK(smaller(z1, z2) - unsure > b->high) |
                      MASK(larger(z1, z2) + unsure < -b->low));
-    return (side_stretch){q, t0, from, to, away, chord, MASK(z1 * n <= 0)};
+    double r2 = wavy_r2(q.x, q.y, from, l, m);
+    return (side_stretch){q,    t0,   from,  to,
+                          r2,   away, chord, MASK(z1 * n <= 0) & (MASK(r2 > b->bent2) |
+                                                                  MASK(b->abs_ck * fabs(z1) > 0.5))};
 }
 
-/* The stretch made shorter at its beginning.  It stays as it is where z n > 0 there. */
-SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_local *q, double from,
-                                const sgt_ray *ray)
+/* The stretch made shorter at its beginning, if it is afar. */
+SGT_INLINE side_way side_way_of(const wavy *s, int terms, const side_stretch *of, const sgt_ray *ray)
 {
-    const double l = ray->d.x, m = ray->d.y;
-    side_way way = {from, wavy_r2(q->x, q->y, from, l, m), 0};
-    way = comes_near(s, terms, way, 0, q, ray);
-    return comes_near(s, terms, way, 0, q, ray);
+    side_way way = {of->from, of->r2, 0};
+    if (!of->afar) return way;
+    way = comes_near(s, terms, way, 0, &of->q, ray);
+    return comes_near(s, terms, way, 0, &of->q, ray);
 }
 
 /* Does sigma F rise or fall where a ray starts on the surface?  Neither: it is not known to start there. */
@@ -454,7 +479,7 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     begin.above = (begin.above & ~on.falls) | on.rises, begin.below &= ~(on.rises | on.falls);
     double both = larger(ask->way.r2, end.r2), half = q->x * l + q->y * m;
     mask bent = is_convex(b, terms, both),
-         away = chord & ((begin.above & end.above) | on.falls) & bent;
+         away = chord & ((begin.above & end.above & bent) | (on.falls & (bent | MASK(b->whole))));
     double A = side_bend(s, b, ray), B = n - sgt_fma(b->bowl, half, s->ck * q->z * n),
            C = sgt_fma(b->bowl, q->rho0, s->ck * q->z * q->z - 2 * q->z), D = sgt_fma(B, B, -A * C),
            sum = B + copysign(sqrt(larger(D, 0)), B);
@@ -500,7 +525,7 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
                  is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
     lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
-                         MASK(fabs(g) * rho <= 4 * fabs(pz)));
+                         MASK(fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y))) <= 12 * fabs(pz)));
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
@@ -518,12 +543,18 @@ SGT_INLINE twofold horner_long(const double *a, int terms, double rho)
     return h;
 }
 
-/* SHARP.  The answer of a blunt root: G once more, at the double nearest to the root as far as it is known.
- */
-SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side_found *found,
-                           const side_round *end, const sgt_ray *ray, double t_tol)
+/* SHARP.  A blunt root: G once more, at the double nearest to the root as far as it is known.  It is at t0,
+ * the point there is q, and the root beside it is what side_lane takes. */
+typedef struct side_sharper {
+    side_local q;
+    double t0;
+    wavy_round root;
+} side_sharper;
+
+SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, double t0, double inverse,
+                                   const side_round *end, const sgt_ray *ray, double t_tol)
 {
-    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, at = found->t0 + end->at.tau;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, at = t0 + end->at.tau;
     twofold X = place_of_root(ray->o.x, at, l), Y = place_of_root(ray->o.y, at, m),
             Z = place_of_root(ray->o.z, at, n), xx = two_product(X.hi, X.hi), yy = two_product(Y.hi, Y.hi),
             r2 = two_sum(xx.hi, yy.hi), h = horner_long(s->a, terms, r2.hi);
@@ -535,9 +566,9 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
     double w_lo = w.lo + (Z.lo + sgt_fma(-dp, rho_lo, sgt_fma(-rho, h.lo, p.lo))),
            lo = bent.lo + (sgt_fma(s->c, rho_lo, round.lo) +
                            sgt_fma(s->ck, sgt_fma(2 * w.hi, w_lo, ww.lo), sgt_fma(b->ck_lo, ww.hi, cww.lo))),
-           g = g2.hi + (g2.lo + (w_lo - 0.5 * lo)), ckw = s->ck * w.hi, ai = fabs(found->inverse);
+           g = g2.hi + (g2.lo + (w_lo - 0.5 * lo)), ckw = s->ck * w.hi, ai = fabs(inverse);
     const side_local q = {X.hi, Y.hi, Z.hi, rho};
-    double noise = 0x1p-94 * side_noise(s, &q, rho, Z.hi, first, g, w.hi, ckw), tau = -g * found->inverse,
+    double noise = 0x1p-94 * side_noise(s, &q, rho, Z.hi, first, g, w.hi, ckw), tau = -g * inverse,
            size = fabs(tau),
            tau_err =
                sgt_fma(1.16, sgt_fma(size, end->off, noise * ai), sgt_fma(4 * SGT_U, size, 0x1p-1000 * ai));
@@ -551,9 +582,7 @@ SGT_INLINE lane side_sharp(const wavy *s, const convex *b, int terms, const side
                              .tau_err = chosen(same, tau_err, (double)NAN),
                              .v = sgt_fma(-s->ck, tau * dw, 1 - ckw), /* at the root */
                              .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), fabs(Z.hi)), size)};
-    side_found there = *found;
-    there.t0 = at;
-    return side_lane(s, b, terms, &q, &there, &root, ray, t_tol);
+    return (side_sharper){q, at, root};
 }
 
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
@@ -579,7 +608,7 @@ typedef struct easy_tried {
 } easy_tried;
 
 /* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
-size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, bool first, const sgt_tile *tile,
-                                size_t before, const easy_tried *tried);
+size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
+                                const sgt_tile *tile, size_t before, const easy_tried *tried);
 
 #endif

@@ -273,52 +273,100 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, const sgt_ray *ray, double t_
 
 /* NEARBY.  For a ray that starts near the surface, compared with its distance from the vertex plane.  There
  * t = t0 + tau cancels and is not sharp.  So the root is computed once more, by the same equation from the
- * ray's own origin.  Only C cancels there, so C is computed in twice the precision.
+ * ray's own origin.  Only C cancels there, so C is summed with what its products and sums lose.
  *
- * C is off by 27 u^2 of its terms, so by u of itself if it is above 2^-47 of them.  B has one term more
- * than in EASY, and is off by 7 u Ba.  q = 4/3 then gives |dt| <= 23 u |t|; 24 is taken.
+ * C is off by u of itself and 64 u^2 of its terms (as from there, in side.h), so by 2 u of itself if it is
+ * above 2^-47 of them.  B has one term more than in EASY, and is off by 7 u Ba.  q = 4/3 then gives |dt| <=
+ * 23 u |t|; 24 is taken.  What underflows is no part in 2^400 of C.
  *
  * It is the same root that EASY has met from the vertex plane, with no accepted root before it: the two
  * differ by less than their errors.  If the ray starts in the vertex, all is 0 and t is exact, as for a
  * plane.  Each coordinate of the point is rounded once. */
-SGT_INLINE lane nearby(const bowl *s, const near_root *at, const sgt_ray *ray, double t_tol)
+
+/* c (p + q + r). */
+SGT_INLINE twofold scaled_sum(double c, twofold p, twofold q, twofold r)
+{
+    twofold s = two_sum(p.hi, q.hi), all = two_sum(s.hi, r.hi), scaled = two_product(c, all.hi);
+    return (twofold){scaled.hi, sgt_fma(c, (s.lo + all.lo) + ((p.lo + q.lo) + r.lo), scaled.lo)};
+}
+
+/* a b, with the low part of a. */
+SGT_INLINE twofold longer_product(twofold a, double b)
+{
+    twofold p = two_product(a.hi, b);
+    return (twofold){p.hi, sgt_fma(a.lo, b, p.lo)};
+}
+
+/* A root as lane_of takes it; w is (1 + k) c z there. */
+typedef struct root_there {
+    near_root at;
+    double pz, w, near;
+    mask exact, also;
+} root_there;
+
+SGT_INLINE root_there nearby_root(const bowl *s, const near_root *at, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    twofold zz = two_product(oz, oz), k1zz = twofold_product((twofold){s->k1, s->k1_lo}, zz);
-    twofold C2 = twofold_difference(
-        twofold_scaled(twofold_sum(twofold_sum(two_product(ox, ox), two_product(oy, oy)), k1zz), s->c),
-        twofold_of(2 * oz));
+    const twofold kz = longer_product((twofold){s->k1, s->k1_lo}, oz), zz = longer_product(kz, oz),
+                  xx = two_product(ox, ox), yy = two_product(oy, oy), round = scaled_sum(s->c, xx, yy, zz),
+                  C2 = two_sum(round.hi, -2 * oz);
     double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
-           Aa = sgt_fma(s->extra, n2, fabs(A)), C = C2.hi;
-    double xl = ox * l, ym = oy * m, kzn = s->k1 * oz * n, B = sgt_fma(-s->c, xl + ym + kzn, n),
+           Aa = sgt_fma(s->extra, n2, fabs(A)), C = C2.hi + (C2.lo + round.lo);
+    double xl = ox * l, ym = oy * m, kzn = kz.hi * n, B = sgt_fma(-s->c, xl + ym + kzn, n),
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n));
     double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(D),
            t = C / (B + copysign(S, B));
     double px = sgt_fma(t, l, ox), py = sgt_fma(t, m, oy), pz = sgt_fma(t, n, oz), w = s->ck * pz,
-           g = -s->c / (1 - w), side = fabs(l) + fabs(m);
-    double terms = sgt_fma(s->abs_c, ox * ox + oy * oy + fabs(k1zz.hi), 2 * fabs(oz)),
+           side = fabs(l) + fabs(m);
+    double terms = sgt_fma(s->abs_c, (xx.hi + yy.hi) + fabs(zz.hi), 2 * fabs(oz)),
            around = sgt_fma(s->abs_c, px * px + py * py, fabs(pz) * (2 + fabs(w)));
     near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = 25.1 * SGT_U * fabs(t),
                    .tau_err = 25.1 * SGT_U * fabs(t), .small = t};
     mask exact = at_vertex(ox, oy, oz),
-         sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
+         sharp = MASK(fabs(C) > sgt_fma(0x1p-47, terms, 0x1p-447)) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
                 & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S) &
                 MASK(4 * D > s->flat * a);
-    return lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, around / fabs(n)}, s->rim2, exact,
-                   same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
+    same &= (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8);
+    return (root_there){r, pz, w, around / fabs(n), exact, same};
 }
 
-/* easy_end if it has a hit, else nearby, in one lane. */
+SGT_INLINE lane lane_of_root(const bowl *s, const root_there *r, const sgt_ray *ray, double t_tol)
+{
+    return lane_of(&r->at, ray, t_tol, false, &(lane_end){r->pz, -s->c / (1 - r->w), r->near}, s->rim2,
+                   r->exact, r->also);
+}
+
+SGT_INLINE lane nearby(const bowl *s, const near_root *at, const sgt_ray *ray, double t_tol)
+{
+    const root_there r = nearby_root(s, at, ray);
+    return lane_of_root(s, &r, ray, t_tol);
+}
+
+/* The root of easy_start if it is sharp (lane_of), else that nearby.  Another root than a single ray has is
+ * never met so: it tries both, and that of easy_start first. */
+SGT_INLINE root_there sharper_root(const bowl *s, bool first, const sgt_ray *ray, double t_tol)
+{
+    const near_root a = easy_start(s, first, true, ray);
+    const root_there b = nearby_root(s, &a, ray);
+    const double pz = a.tau * ray->d.z, w = s->ck * pz, at = fabs(a.t);
+    const mask e = MASK(a.t_err <= larger(40 * SGT_U * at, t_tol)) & MASK(at + a.t_err > LEAST_PLACE) &
+                   MASK(fabs(w) < 1 - 0x1p-8);
+    return (root_there){{chosen(e, a.x, b.at.x), chosen(e, a.y, b.at.y), chosen(e, a.tau, b.at.tau),
+                         chosen(e, a.t, b.at.t), chosen(e, a.t_err, b.at.t_err),
+                         chosen(e, a.tau_err, b.at.tau_err), chosen(e, a.t0, b.at.t0),
+                         chosen(e, a.small, b.at.small)},
+                        chosen(e, pz, b.pz),
+                        chosen(e, w, b.w),
+                        chosen(e, fabs(a.tau), b.near),
+                        b.exact, /* if e, it says nothing */
+                        e | b.also};
+}
+
 SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, const sgt_ray *ray, double t_tol)
 {
-    near_root r = easy_start(s, first, true, ray);
-    lane a = easy_end(s, &r, ray, t_tol, false), b = nearby(s, &r, ray, t_tol);
-    mask e = a.hit;
-    return (lane){chosen(e, a.t, b.t),   chosen(e, a.t_err, b.t_err), chosen(e, a.t_lo, b.t_lo),
-                  chosen(e, a.px, b.px), chosen(e, a.py, b.py),       chosen(e, a.pz, b.pz),
-                  chosen(e, a.nx, b.nx), chosen(e, a.ny, b.ny),       chosen(e, a.p_err, b.p_err),
-                  a.hit | b.hit};
+    const root_there r = sharper_root(s, first, ray, t_tol);
+    return lane_of_root(s, &r, ray, t_tol);
 }
 
 SGT_INLINE bool nearby_at(const bowl *s, bool first, const sgt_ray *ray, double t_tol, lane *e)

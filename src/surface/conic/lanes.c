@@ -44,31 +44,36 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
     return lane_told(tile, &room->ends, 1, all);
 }
 
-/* easy_away of all rays. */
+/* easy_away of all rays.  Returns all bits set if all of them miss. */
 SGT_KERNEL
-static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone, mask *start)
+static mask conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone, mask *start)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
         verdicts v = easy_away(s, &ray);
         away[i] = v.away, far_gone[i] = v.far_gone, start[i] = v.start;
+        all &= v.away;
     }
+    return all;
 }
 
 SGT_KERNEL
-static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
+static mask conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    LANES
-    for (size_t i = 0; i < count; i++) {
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
         away[i] = plane_away(s, &ray);
+        all &= away[i];
     }
+    return all;
 }
 
 /* What is known of the far roots of all rays. */
@@ -109,19 +114,53 @@ LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
 
-/* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
- * tiles are met so. */
+/* A root as the last loop finds it in the room: if t, point and gradient are all that is wanted.  A place in
+ * t0 is pz, one in small is the end's `near`. */
+SGT_INLINE void room_take(bowl_room *room, size_t i, const root_there *r)
+{
+    room->x[i] = r->at.x, room->y[i] = r->at.y, room->tau[i] = r->at.tau, room->t[i] = r->at.t;
+    room->t_err[i] = chosen(r->also, r->at.t_err, (double)NAN);
+    room->t0[i] = r->pz, room->small[i] = r->near;
+}
+
+SGT_INLINE lane room_end(const bowl *s, const bowl_room *room, size_t i, mask exact, const sgt_ray *ray,
+                         double t_tol)
+{
+    const root_there r = {.at = {.x = room->x[i],
+                                 .y = room->y[i],
+                                 .tau = room->tau[i],
+                                 .t = room->t[i],
+                                 .t_err = room->t_err[i]},
+                          .pz = room->t0[i],
+                          .w = s->ck * room->t0[i],
+                          .near = room->small[i],
+                          .exact = exact,
+                          .also = MASK(true)};
+    return lane_of_root(s, &r, ray, t_tol);
+}
+
+/* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY). */
 SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wish wish, const sgt_tile *tile,
                               bowl_room *room)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own;
+    const bool two = wish == LANE_PLAIN;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < (two ? count : 0); i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const root_there r = sharper_root(s, first, &ray, t_tol[i]);
+        room_take(room, i, &r);
+    }
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        lane e = plane ? plane_at_start(s, &ray, t_tol[i]) : easy_or_nearby(s, first, &ray, t_tol[i]);
+        lane e = two     ? room_end(s, room, i, at_vertex(ray.o.x, ray.o.y, ray.o.z), &ray, t_tol[i])
+                 : plane ? plane_at_start(s, &ray, t_tol[i])
+                         : easy_or_nearby(s, first, &ray, t_tol[i]);
         LANE_STORE(to, i, e, wish);
         all &= e.hit;
     }
@@ -145,8 +184,6 @@ NARROW_LANES_NEARBY(sgt_conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 typedef struct leave_room {
     double tau[SGT_TILE], tau_err[SGT_TILE], inverse[SGT_TILE], behind[SGT_TILE];
     mask start[SGT_TILE], away[SGT_TILE], met[SGT_TILE];
-    double few[3][SGT_TILE]; /* tau, tau_err, inverse of a few rays */
-    mask few_met[SGT_TILE];
     lane_ends ends;
 } leave_room;
 
@@ -222,24 +259,31 @@ SGT_INLINE mask side_usual(const sgt_ray *ray)
     return MASK(d2 > 0x1p-76) & MASK(d2 < 0x1p80);
 }
 
-/* Returns all bits set if any of the rays may be tried before. */
-SGT_INLINE mask lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
+/* What the guesses of a tile say: may any of its rays be tried before, or be gone where it first meets the
+ * surface? */
+typedef struct side_guesses {
+    mask tried, twice;
+} side_guesses;
+
+/* A ray that is not to be met here has NaN for `at`, and is not. */
+SGT_INLINE side_guesses lane_guess(const bowl *self, bool first, const sgt_tile *tile, side_room *r)
 {
     const sgt_rays rows = tile->rays;
     const bowl own = *self, *s = &own;
     size_t count = tile->n;
-    mask any = 0;
-    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    mask tried = 0, twice = 0;
+    _Pragma("omp simd reduction(| : tried, twice)") for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_guess a = side_guess_of(s, first, &ray);
-        r->at[i] = a.at, r->away[i] = a.away & side_usual(&ray);
-        any |= a.tried;
+        const side_guess a = side_guess_of(s, first, &ray);
+        const mask usual = side_usual(&ray);
+        r->at[i] = chosen(usual, a.at, (double)NAN), r->away[i] = a.away & usual;
+        tried |= a.tried, twice |= a.twice;
     }
-    return any;
+    return (side_guesses){tried, twice};
 }
 
-/* met_from_side of all rays. */
+/* met_from_side of all rays: rich. */
 SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, lane_to to, side_room *r)
 {
     const sgt_rays rows = tile->rays;
@@ -250,23 +294,49 @@ SGT_INLINE void lane_side(const bowl *self, bool first, const sgt_tile *tile, la
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
-        mask usual = side_usual(&ray) & ~r->away[i];
-        a.e.hit &= usual, r->away[i] |= a.away & usual;
+        const side_answer a = met_from_side(s, first, r->at[i], &ray, t_tol[i]);
+        r->away[i] |= a.away;
         LANE_STORE(to, i, a.e, LANE_RICH);
     }
 }
 
+/* The same where t, point and gradient are all that is wanted.  quick: no root has to be shown to be gone. */
+SGT_INLINE void lane_side_plain(const bowl *self, bool first, bool quick, const sgt_tile *tile, lane_to to,
+                                side_room *r, bowl_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    bowl own = *self, *s = &own;
+    size_t count = tile->n;
+    own.proof = false;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_left a = side_root_at(s, first, quick, r->at[i], &ray);
+        const side_place *p = &a.root;
+        const root_there q = side_there(s, &p->at, p->tau, p->tau_err, p->inverse, p->wanted, &ray);
+        if (!quick) r->away[i] |= a.away;
+        room_take(room, i, &q);
+    }
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        lane e = room_end(s, room, i, MASK(false), &ray, t_tol[i]);
+        LANE_STORE(to, i, e, LANE_PLAIN);
+    }
+}
+
 SGT_KERNEL
-SGT_NARROW(mask, sgt_conic_lanes_guess_first, (const bowl *s, const sgt_tile *tile, side_room *r))
+SGT_NARROW(side_guesses, sgt_conic_lanes_guess_first, (const bowl *s, const sgt_tile *tile, side_room *r))
 {
     return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-SGT_NARROW(mask, sgt_conic_lanes_guess_near, (const bowl *s, const sgt_tile *tile, side_room *r))
+SGT_NARROW(side_guesses, sgt_conic_lanes_guess_near, (const bowl *s, const sgt_tile *tile, side_room *r))
 {
     return lane_guess(s, false, tile, r);
 }
+
 SGT_KERNEL
 SGT_NARROW(void, sgt_conic_lanes_side_first, (const bowl *s, const sgt_tile *tile, lane_to to, side_room *r))
 {
@@ -277,14 +347,34 @@ SGT_NARROW(void, sgt_conic_lanes_side_near, (const bowl *s, const sgt_tile *tile
 {
     lane_side(s, false, tile, to, r);
 }
-static mask conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
+
+#define LANES_SIDE(name, first, quick)                                                         \
+    SGT_KERNEL static void name(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r, \
+                                bowl_room *room)                                               \
+    {                                                                                          \
+        lane_side_plain(s, first, quick, tile, to, r, room);                                   \
+    }
+
+LANES_SIDE(conic_lanes_side_first_quick, true, true)
+LANES_SIDE(conic_lanes_side_first_plain, true, false)
+LANES_SIDE(conic_lanes_side_near_quick, false, true)
+
+static side_guesses conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
 {
     return (first ? sgt_conic_lanes_guess_first : sgt_conic_lanes_guess_near)(s, tile, r);
 }
 
-static void conic_lanes_side(const bowl *s, bool first, const sgt_tile *tile, lane_to to, side_room *r)
+/* room: NULL, or free for what loops leave for each other. */
+static void conic_lanes_side(const bowl *s, bool first, bool quick, const sgt_tile *tile, lane_to to,
+                             side_room *r, bowl_room *room)
 {
-    (first ? sgt_conic_lanes_side_first : sgt_conic_lanes_side_near)(s, tile, to, r);
+    const bool plain = room && lane_wish_of(tile) < LANE_FINE;
+    if (plain && quick)
+        (first ? conic_lanes_side_first_quick : conic_lanes_side_near_quick)(s, tile, to, r, room);
+    else if (plain && first)
+        conic_lanes_side_first_plain(s, tile, to, r, room);
+    else
+        (first ? sgt_conic_lanes_side_first : sgt_conic_lanes_side_near)(s, tile, to, r);
 }
 
 /* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
@@ -309,6 +399,15 @@ SGT_NARROW(void, sgt_conic_lanes_on,
     }
 }
 
+/* Writes that all rays of a tile miss.  rows: none has been written yet. */
+static size_t lane_all_missed(const sgt_tile *tile, bool rows)
+{
+    if (rows) lane_nothing(tile);
+    memset(tile->hits.status, SGT_MISS, tile->n);
+    if (tile->hits.evals) memset(tile->hits.evals, 0, tile->n * sizeof *tile->hits.evals);
+    return 0;
+}
+
 /* leaves_from of all rays.  Returns true if all of them miss, and their sides are known. */
 SGT_KERNEL
 static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room *room)
@@ -330,10 +429,9 @@ static bool conic_lanes_leave(const bowl *self, const sgt_tile *tile, leave_room
     return all != 0;
 }
 
-/* The answers to the rays that have met it. */
-SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_left,
-           (const bowl *self, const sgt_tile *tile, lane_to to, const leave_room *room))
+/* The answers to the rays that have met it.  (Of all rays: to put them side by side takes longer.) */
+SGT_INLINE void lane_left(const bowl *self, lane_wish wish, const sgt_tile *tile, lane_to to,
+                          const leave_room *room)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -343,10 +441,23 @@ SGT_NARROW(void, sgt_conic_lanes_left,
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const side_place r =
-            left_in_doubles(s, room->few[0][i], room->few[1][i], room->few[2][i], room->few_met[i], &ray);
+            left_in_doubles(s, room->tau[i], room->tau_err[i], room->inverse[i], room->met[i], &ray);
         lane e = side_hit(s, &r.at, r.tau, r.tau_err, r.inverse, r.wanted, &ray, t_tol[i]);
-        LANE_STORE(to, i, e, LANE_RICH);
+        LANE_STORE(to, i, e, wish);
     }
+}
+
+SGT_KERNEL
+SGT_NARROW(void, sgt_conic_lanes_left,
+           (const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room))
+{
+    lane_left(s, LANE_PLAIN, tile, to, room);
+}
+SGT_KERNEL
+SGT_NARROW(void, sgt_conic_lanes_left_rich,
+           (const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room))
+{
+    lane_left(s, LANE_RICH, tile, to, room);
 }
 
 /* Which points are on the surface, as a ray's start is?  1 or 0. */
@@ -424,7 +535,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     side_room r;
     lane_to to = lane_to_of(tile, &r.ends);
     conic_lanes_guess(s, first, tile, &r);
-    conic_lanes_side(s, first, tile, to, &r);
+    conic_lanes_side(s, first, false, tile, to, &r, NULL);
     if (start) sgt_conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
@@ -455,8 +566,8 @@ static void take_few(const sgt_tile *tile, double out[][SGT_TILE], few_rays *f)
                                    of->d[2], of->tmin, of->tmax, tile->t_tol};
     double(*ray)[SGT_TILE] = f->ray;
     size_t n = 0, lanes;
-    for (size_t i = 0; i < tile->n; i++)
-        if (tile->hits.status[i] == SGT_HARD) f->number[n++] = (unsigned char)i;
+    for (size_t i = 0; i < tile->n; i++) /* no branch: which rays are hard is not foreseen */
+        f->number[n] = (unsigned char)i, n += tile->hits.status[i] == SGT_HARD;
     for (lanes = n; lanes % 8 != 0; lanes++) f->number[lanes] = f->number[n - 1];
     for (size_t j = 0; j < lanes; j++) {
         const size_t i = f->number[j];
@@ -520,25 +631,20 @@ SGT_NOINLINE static size_t conic_lanes_few(const bowl *s, bool first, const sgt_
     return give_few(tile, out, &few);
 }
 
-/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (The rows of the
- * rays of which leaves_from knows that they have met it are put side by side, too.) */
+/* The first roots of rays of which some are not known to miss.  Returns how many are left.  (If these are
+ * few, they are put side by side, and asked once more whether they are met.) */
 SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, leave_room *room,
                                           double out[][SGT_TILE])
 {
-    few_rays few;
-    size_t left = side_status(tile, NONE, room->away, NONE);
-    lane_nothing(tile);
-    if (left) {
-        take_few(tile, out, &few);
-        for (size_t j = 0; j < few.tile.n; j++) {
-            size_t i = few.number[j]; /* j at least, but for the last */
-            room->few[0][j] = room->tau[i], room->few[1][j] = room->tau_err[i];
-            room->few[2][j] = room->inverse[i], room->few_met[j] = room->met[i];
-        }
-        sgt_conic_lanes_left(s, &few.tile, lane_to_of(&few.tile, &room->ends), room);
-        side_status(&few.tile, room->ends.hit, NONE, NONE);
-        left = give_few(tile, out, &few);
-    }
+    const lane_to to = lane_to_of(tile, &room->ends);
+    const mask *hit = room->ends.hit;
+    mask others = 0;
+    for (size_t i = 0; i < tile->n; i++) others -= ~room->away[i];
+    if (16 * others > tile->n)
+        (lane_wish_of(tile) < LANE_FINE ? sgt_conic_lanes_left : sgt_conic_lanes_left_rich)(s, tile, to, room);
+    else
+        lane_nothing(tile), hit = NONE;
+    const size_t left = side_status(tile, hit, room->away, NONE);
     memset(room->met, 0xff, tile->n * sizeof *room->met);
     return left ? conic_lanes_few(s, true, tile, room->met, room->start, out) : 0;
 }
@@ -550,7 +656,10 @@ SGT_NOINLINE static bool conic_lanes_leaving(const bowl *s, const sgt_tile *tile
 {
     leave_room room;
     size_t n = tile->n, starts = 0;
-    conic_lanes_leave(s, tile, &room);
+    if (conic_lanes_leave(s, tile, &room)) {
+        *hard = lane_all_missed(tile, true);
+        return true;
+    }
     for (size_t i = 0; i < n; i++) starts += room.start[i] != 0;
     if (2 * starts < n) return false;
     *hard = lane_left_over(s, tile, &room, out);
@@ -633,17 +742,19 @@ SGT_INLINE bool runs_along(const bowl *s, const sgt_tile *tile)
 /* A tile that runs along the surface: rays from the side first, then misses.  Returns false if a single ray
  * would try more than an eighth of them from the vertex plane, or from on the surface; then nothing is
  * answered. */
-SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, size_t *hard)
+SGT_NOINLINE static bool conic_lanes_along(const bowl *s, bool first, const sgt_tile *tile, bowl_room *room,
+                                           size_t *hard)
 {
     sgt_status *status = tile->hits.status;
     mask tried[SGT_TILE], away[SGT_TILE], start[SGT_TILE];
     size_t n = tile->n, sooner = 0;
     side_room r;
     memset(away, 0xff, n * sizeof *away), memset(tried, 0, n * sizeof *tried);
-    if (conic_lanes_guess(s, first, tile, &r) && sgt_conic_lanes_tried(s, tile, away, tried))
+    const side_guesses guess = conic_lanes_guess(s, first, tile, &r);
+    if (guess.tried && sgt_conic_lanes_tried(s, tile, away, tried))
         for (size_t i = 0; i < n; i++) sooner += tried[i] != 0;
     if (8 * sooner > n) return false;
-    conic_lanes_side(s, first, tile, lane_to_of(tile, &r.ends), &r);
+    conic_lanes_side(s, first, !guess.twice, tile, lane_to_of(tile, &r.ends), &r, room);
     *hard = side_status(tile, r.ends.hit, r.away, tried);
     if (8 * *hard <= n) return true;
     conic_lanes_away(s, tile, away, tried, start);
@@ -679,7 +790,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
         first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     size_t hard = tile->n;
     if (c != 0 && !s.proof && from == AWAY && runs_along(&s, tile) &&
-        conic_lanes_along(&s, first, tile, &hard))
+        conic_lanes_along(&s, first, tile, &room.easy, &hard))
         return hard;
     const bool at_once = first && !s.proof;
     if (at_once && from == LEAVING && !in_vertex(tile)) {
@@ -697,9 +808,9 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
                      : lane_near(&s, wish, nearby, tile, &room.easy);
     }
     if (8 * hard <= tile->n) return hard; /* one by one */
-    if (c == 0) conic_lanes_plane_away(&s, tile, away);
-    else
-        conic_lanes_away(&s, tile, away, far_gone, start);
+    const mask all = c == 0 ? conic_lanes_plane_away(&s, tile, away)
+                            : conic_lanes_away(&s, tile, away, far_gone, start);
+    if (all) return lane_all_missed(tile, later);
     mask nearest = 0; /* rays whose near root may be accepted and was not computed */
     for (size_t i = 0; i < tile->n; i++) {
         if (at_once) far_gone[i] &= ~start[i];
@@ -803,12 +914,7 @@ size_t sgt_conic_leave(double c, double k, double semi_diameter, const sgt_tile 
     if (c == 0) return plane_leave(tile, behind);
     bool all = conic_lanes_leave(&s, tile, &room);
     memcpy(behind, room.behind, n * sizeof *behind);
-    if (all) {
-        lane_nothing(tile);
-        memset(status, SGT_MISS, n);
-        if (tile->hits.evals) memset(tile->hits.evals, 0, n * sizeof *tile->hits.evals);
-        return 0;
-    }
+    if (all) return lane_all_missed(tile, true);
     for (size_t i = 0; i < n; i++) off += !room.start[i] | (behind[i] == 0); /* not known to be on it */
     if (8 * off > n) return n;
     for (size_t i = 0; off && i < n; i++) behind[i] = room.start[i] ? behind[i] : 0;

@@ -22,10 +22,10 @@
  * FROM THERE the terms of the equation do not cancel.  The coordinates are known to 4 u^2 of themselves, as
  * X.hi + X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci.
  * Comput. 26, 1955): it is off by u |C| and by
- *     49 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
- *         of what is lost, 11 u in all, 22,
+ *     51 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
+ *         of what is lost, 11 u in all, 24,
  *     9 u^2 of the same by the product with c, and 15 u^2 (|c| (...) + 2 |Z|) by the sums with -2 Z,
- * together by 75 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
+ * together by 77 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
  *     tau = B / A (1 - sqrt(1 - e)) = C / B (1/2 + e / 8 + e^2 / 16 + ...),
  * and |e| <= 2^-13 leaves 2^-42 of it.  B is off by 7 u Ba.  So where Ba <= 2^12 |B| the quotient is right to
  * 2^16 u, and tau is off by 64 u^2 Ca / |B| more.  An ulp of t has to be small beside the distance of the
@@ -51,9 +51,10 @@
  * by its own rounding.  So its r^2 is within 140 u of the true one, less than what easy.h counts with
  * (PROVEN).
  *
- * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), Ca between 2^-400 and 2^400,
- * |c| within 2^+-60, and |1 + k| below 2^61.  What underflows is below 2^-900, and no part in 2^400 of u
- * Ca. */
+ * UNDERFLOW.  The direction is between 2^-41 and 2^42 long (usual_direction), |c| within 2^+-60, and |1 + k|
+ * below 2^61.  What underflows is below 2^-900, and Ca is taken to be greater by 2^-400: no part in 2^300 of
+ * u^2 of it.  In D that is below 2^-690, as A is below 2^206, or a part in 2^600 of B^2.  What overflows
+ * makes tau_err or D no finite number. */
 #ifndef SGT_SURFACE_CONIC_SIDE_H
 #define SGT_SURFACE_CONIC_SIDE_H
 
@@ -82,12 +83,32 @@ SGT_INLINE mask side_gone(const bowl *s, const side_origin *q, double tau, doubl
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-/* Which root may be the answer: it is near t = at.  away: the ray certainly misses.  tried: may the easy form
- * try it, or does it start on the surface?  (D is the same from each point of a ray.) */
+/* Which root may be the answer: it is near t = at, which is NaN if the ends are in no order.  away: the ray
+ * certainly misses.  tried: may the easy form try it, or does it start on the surface?  (D is the same from
+ * each point of a ray.)  twice: the root that it would be is gone, as far as doubles tell. */
 typedef struct side_guess {
     double at;
-    mask away, tried;
+    mask away, tried, twice;
 } side_guess;
+
+/* May starts_on be true?  At least where it is: there G is below 2^-49 of |c| r^2 + |z| + |w z|, and off by
+ * less than 2^-50 of that. */
+SGT_INLINE mask may_start_on(const bowl *s, const sgt_ray *ray)
+{
+    const double x = sgt_fma(ray->tmin, ray->d.x, ray->o.x), y = sgt_fma(ray->tmin, ray->d.y, ray->o.y),
+                 z = sgt_fma(ray->tmin, ray->d.z, ray->o.z), cr2 = s->c * (x * x + y * y),
+                 wz = s->ck * z * z, G = sgt_fma(-0.5, cr2 + wz, z);
+    return MASK(fabs(G) <= 0x1p-44 * ((fabs(cr2) + fabs(wz)) + fabs(z)));
+}
+
+/* Is the root at t0 + tau off the sheet, beyond the rim or outside of the ends, as far as doubles tell? */
+SGT_INLINE mask side_outside(const bowl *s, const side_origin *q, double tau, const sgt_ray *ray)
+{
+    double px = sgt_fma(tau, ray->d.x, q->x), py = sgt_fma(tau, ray->d.y, q->y),
+           pz = sgt_fma(tau, ray->d.z, q->z), t = q->t0 + tau;
+    return MASK(s->ck * pz > 1) | MASK(px * px + py * py > s->rim2) | MASK(t > ray->tmax) |
+           MASK(t < ray->tmin);
+}
 
 SGT_INLINE side_guess side_guess_of(const bowl *s, bool first, const sgt_ray *ray)
 {
@@ -102,39 +123,46 @@ SGT_INLINE side_guess side_guess_of(const bowl *s, bool first, const sgt_ray *ra
            Ca = sgt_fma(s->abs_c, r2 + fabs(kzz), 2 * fabs(z));
     double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * Ca), b = B + copysign(sqrt(D), B),
            one = C / b, other = b / A;
-    /* The last: NaN if both ends are the same infinity. */
-    mask usual = MASK(Ca > 0x1p-400) & MASK(Ca < 0x1p400) & MASK(fabs(t0) < 0x1p300) &
-                 MASK(ray->tmax - ray->tmin >= 0),
-         swapped = MASK(other < one);
+    mask ends = MASK(ray->tmax - ray->tmin >= 0), /* NaN if both are the same infinity */
+        swapped = MASK(other < one);
     double early = chosen(swapped, other, one), late = chosen(swapped, one, other);
     const side_origin q = {x, y, z, t0};
-    mask second = side_gone(s, &q, early, 0, ray);
-    if (!first)
-        second |= MASK(A * sgt_fma(A, z / n, B) < 0) & ~side_gone(s, &q, late, 0, ray);
+    mask second = side_outside(s, &q, early, ray), twice = second;
+    if (!first) {
+        mask wish = MASK(A * sgt_fma(A, z / n, B) < 0), gone = side_outside(s, &q, late, ray);
+        twice = (wish & gone) | (second & ~wish), second |= wish & ~gone;
+    }
     double slack = 0x1p-40 * size;
     mask tried = MASK(D - slack <= 16 * n2) & MASK(4 * (D + slack) > s->flat * a * (1 - 0x1p-20));
-    return (side_guess){t0 + chosen(second, late, early), usual & MASK(D < -0x1p-20 * size),
-                        tried | starts_on(s, ray)};
+    return (side_guess){chosen(ends, t0 + chosen(second, late, early), (double)NAN),
+                        ends & MASK(D < sgt_fma(-0x1p-20, size, -0x1p-600)), tried | may_start_on(s, ray),
+                        twice};
 }
 
 /* Such a root at (x, y, z) + tau d, where |G'| is 1 / |inverse|. */
-SGT_INLINE lane side_hit(const bowl *s, const side_origin *q, double tau, double tau_err, double inverse,
-                         mask wanted, const sgt_ray *ray, double t_tol)
+SGT_INLINE root_there side_there(const bowl *s, const side_origin *q, double tau, double tau_err,
+                                 double inverse, mask wanted, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double t = q->t0 + tau, px = sgt_fma(tau, l, q->x), py = sgt_fma(tau, m, q->y),
            pz = sgt_fma(tau, n, q->z), w = s->ck * pz,
            width = sgt_fma(fabs(pz), 1 + fabs(w), s->abs_c * (px * px + py * py)) * fabs(inverse);
-    near_root r = {.x = q->x,
-                   .y = q->y,
-                   .tau = tau,
-                   .t = t,
-                   .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
-                   .tau_err = tau_err,
-                   .t0 = q->t0,
-                   .small = tau};
-    lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, -s->c / (1 - w), width}, s->rim2, MASK(false),
-                     wanted & MASK(fabs(w) < 1 - 0x1p-8));
+    const near_root r = {.x = q->x,
+                         .y = q->y,
+                         .tau = tau,
+                         .t = t,
+                         .t_err = sgt_fma(1.01 * SGT_U, fabs(t), tau_err),
+                         .tau_err = tau_err,
+                         .t0 = q->t0,
+                         .small = tau};
+    return (root_there){r, pz, w, width, MASK(false), wanted & MASK(fabs(w) < 1 - 0x1p-8)};
+}
+
+SGT_INLINE lane side_hit(const bowl *s, const side_origin *q, double tau, double tau_err, double inverse,
+                         mask wanted, const sgt_ray *ray, double t_tol)
+{
+    const root_there r = side_there(s, q, tau, tau_err, inverse, wanted, ray);
+    lane e = lane_of_root(s, &r, ray, t_tol);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
@@ -152,8 +180,9 @@ typedef struct side_left {
     mask away;
 } side_left;
 
-/* The root near t = at.  away: neither root is accepted. */
-SGT_INLINE side_left side_root_at(const bowl *s, bool first, double at, const sgt_ray *ray)
+/* The root near t = at.  away: neither root is accepted.  quick: it is not asked whether a root is gone; then
+ * fewer rays have an answer, and those that have one have the same. */
+SGT_INLINE side_left side_root_at(const bowl *s, bool first, bool quick, double at, const sgt_ray *ray)
 {
     const double ox = ray->o.x, oy = ray->o.y, oz = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
     twofold X = place_of_root(ox, at, l), Y = place_of_root(oy, at, m), Z = place_of_root(oz, at, n),
@@ -161,43 +190,45 @@ SGT_INLINE side_left side_root_at(const bowl *s, bool first, double at, const sg
             kzz = two_product(kz.hi, Z.hi), r2 = two_sum(xx.hi, yy.hi), all = two_sum(r2.hi, kzz.hi),
             bent = two_product(s->c, all.hi), rest = two_sum(bent.hi, -2 * Z.hi);
     double kz_lo = sgt_fma(s->k1, Z.lo, sgt_fma(s->k1_lo, Z.hi, kz.lo)),
-           lo = (sgt_fma(2 * X.hi, X.lo, xx.lo) + sgt_fma(2 * Y.hi, Y.lo, yy.lo)) +
-                sgt_fma(kz.hi, Z.lo, sgt_fma(kz_lo, Z.hi, kzz.lo)),
+           half = sgt_fma(X.hi, X.lo, Y.hi * Y.lo),
+           lo = sgt_fma(2, half, xx.lo + yy.lo) + sgt_fma(kz.hi, Z.lo, sgt_fma(kz_lo, Z.hi, kzz.lo)),
            C = rest.hi +
-               ((rest.lo - 2 * Z.lo) + sgt_fma(s->c, (r2.lo + all.lo) + lo, bent.lo));
+               (sgt_fma(-2, Z.lo, rest.lo) + sgt_fma(s->c, (r2.lo + all.lo) + lo, bent.lo));
     double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
            Aa = sgt_fma(s->extra, n2, fabs(A)), xl = X.hi * l, ym = Y.hi * m, kzn = kz.hi * n,
            B = sgt_fma(-s->c, xl + ym + kzn, n), by = 1 / B,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n)),
-           Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), 2 * fabs(Z.hi)), q = C * by, e = A * by * q,
-           tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B), across = fabs(l) + fabs(m),
-           tau_err = 1.01 * SGT_U * sgt_fma(64 * SGT_U * Ca, fabs(by), 0x1p16 * fabs(tau)),
-           t_err = sgt_fma(1.01 * SGT_U, fabs(at + tau), tau_err), far = 2 * B / A, to_far = fabs(far);
+           Ca = sgt_fma(s->abs_c, r2.hi + fabs(kzz.hi), sgt_fma(2, fabs(Z.hi), 0x1p-400)), q = C * by,
+           e = A * by * q, tau = q * sgt_fma(e, sgt_fma(0.0625, e, 0.125), 0.5), size = fabs(B),
+           across = fabs(l) + fabs(m),
+           tau_err = sgt_fma(64.64 * SGT_U * SGT_U * Ca, fabs(by), 1.01 * 0x1p16 * SGT_U * fabs(tau));
     const side_origin here = {X.hi, Y.hi, Z.hi, at};
-    mask known = MASK(SGT_U * fabs(at) * Aa <= 0x1p-10 * size) & MASK(fabs(e) <= 0x1p-13) &
-                 MASK(Ba <= 0x1p12 * size) & MASK(fabs(A) > 0x1p-10 * Aa) & MASK(Ca > 0x1p-400) &
-                 MASK(Ca < 0x1p400) & MASK(ray->tmax - ray->tmin >= 0) &
-                 MASK(tau_err * across * 0x1p46 <= 64 * SGT_U * s->reach),
-         low = MASK(fabs(s->ck * (far * n)) <= 0x1p20), near = MASK(to_far * across <= 0x1p-33 * s->reach),
-         far_gone = low & near & side_gone(s, &here, far - tau, 0x1p-36 * to_far, ray),
-         right = far_gone | MASK(far > 0);
+    mask known = MASK(sgt_fma(0x1p-43 * fabs(at), Aa, 0x1p-12 * Ba) <= size) & MASK(fabs(e) <= 0x1p-13) &
+                 MASK(fabs(A) > 0x1p-10 * Aa) &
+                 MASK(tau_err * across <= 64 * SGT_U * 0x1p-46 * s->reach),
+         right = MASK(A * B > 0), far_gone = 0;
+    if (!quick) {
+        double far = 2 * B / A, to_far = fabs(far);
+        mask low = MASK(fabs(s->ck * (far * n)) <= 0x1p20),
+             near = MASK(to_far * across <= 0x1p-33 * s->reach);
+        far_gone = low & near & side_gone(s, &here, far - tau, 0x1p-36 * to_far, ray);
+    }
     if (!first) {
         double slope = sgt_fma(A, Z.hi / n, B);
-        right = far_gone |
-                (MASK(B * slope > 0) & MASK(fabs(slope) > 0x1p-20 * sgt_fma(Aa, fabs(Z.hi / n), Ba)));
+        right = MASK(B * slope > 0) & MASK(fabs(slope) > 0x1p-20 * sgt_fma(Aa, fabs(Z.hi / n), Ba));
     }
-    if (s->proof) known &= MASK(2.1 * Aa * t_err < size);
+    right |= far_gone;
+    if (s->proof) known &= MASK(2.1 * Aa * sgt_fma(1.01 * SGT_U, fabs(at + tau), tau_err) < size);
     double px = sgt_fma(tau, l, X.hi), py = sgt_fma(tau, m, Y.hi), pz = sgt_fma(tau, n, Z.hi), w = s->ck * pz,
-           cr2 = s->abs_c * (px * px + py * py);
-    mask round = MASK(cr2 <= 4 * fabs(pz) * (1 - w)) &
-                 MASK(sgt_fma(Ba + Ba, fabs(tau), Ca) <= 2 * sgt_fma(fabs(pz), 2 + fabs(w), cr2));
+           cr2 = s->abs_c * (px * px + py * py), terms = sgt_fma(fabs(pz), 1 + fabs(w), cr2);
+    mask round = MASK(cr2 <= 4 * fabs(pz) * (1 - w)) & MASK(sgt_fma(Ba + Ba, fabs(tau), Ca) <= terms + terms);
     return (side_left){{here, tau, tau_err, by, known & right & round},
-                       known & far_gone & side_gone(s, &here, tau, tau_err, ray)};
+                       quick ? 0 : known & far_gone & side_gone(s, &here, tau, tau_err, ray)};
 }
 
 SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double at, const sgt_ray *ray, double t_tol)
 {
-    const side_left e = side_root_at(s, first, at, ray);
+    const side_left e = side_root_at(s, first, false, at, ray);
     return (side_answer){side_hit(s, &e.root.at, e.root.tau, e.root.tau_err, e.root.inverse, e.root.wanted,
                                   ray, t_tol),
                          e.away};
@@ -223,20 +254,6 @@ SGT_INLINE side_answer met_from_side(const bowl *s, bool first, double at, const
  *
  * A first root of a ray for which starts_on is true is asked for here at once (without a proof): neither
  * easy_at nor a part of `away` can have another answer. */
-
-/* c (p + q + r). */
-SGT_INLINE twofold scaled_sum(double c, twofold p, twofold q, twofold r)
-{
-    twofold s = two_sum(p.hi, q.hi), all = two_sum(s.hi, r.hi), scaled = two_product(c, all.hi);
-    return (twofold){scaled.hi, sgt_fma(c, (s.lo + all.lo) + ((p.lo + q.lo) + r.lo), scaled.lo)};
-}
-
-/* a b, with the low part of a. */
-SGT_INLINE twofold longer_product(twofold a, double b)
-{
-    twofold p = two_product(a.hi, b);
-    return (twofold){p.hi, sgt_fma(a.lo, b, p.lo)};
-}
 
 SGT_INLINE side_left left_from_on(const bowl *s, const sgt_ray *ray)
 {
@@ -330,13 +347,13 @@ SGT_INLINE side_start leaves_from(const bowl *s, const sgt_ray *ray)
          sloped = usual & MASK(B2 > 0x1p-40 * sgt_fma(Ba, Ba, round)),
          start = MASK(ray->tmin == 0) & is_on_quadric(s, x, y, z);
     double inverse = 1 / B, t = sgt_fma(G, inverse, 2 * B / A), at = fabs(t), across = fabs(l) + fabs(m),
-           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y),
+           px = sgt_fma(t, l, x), py = sgt_fma(t, m, y), pz = sgt_fma(t, n, z),
            tau_err = 1.01 * SGT_U *
                      sgt_fma(fabs(inverse), sgt_fma(sgt_fma(2 * Aa, at, 4 * bent), at, 6 * terms), 5 * at);
     mask low = MASK(fabs(s->ck * (t * n)) <= 0x1p8),
          near = MASK(at * across <= 0x1p8 * (fabs(px) + fabs(py))),
-         gone = side_gone(s, &(side_origin){x, y, z, 0}, t, 0, ray) &
-                (MASK(t < 0) | MASK(t > ray->tmax * (1 + 0x1p-32)) | (low & near)),
+         beyond = MASK(s->ck * pz > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)),
+         gone = MASK(t < 0) | MASK(at * (1 - 0x1p-20) > ray->tmax) | (low & near & beyond),
          away = known & gone & MASK(ray->tmax > 0) & start;
     return (side_start){.away = away,
                         .met = known & start & ~away & MASK(tau_err <= 38 * SGT_U * at) &
