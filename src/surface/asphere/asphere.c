@@ -69,7 +69,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
 {
     const double t_tol = w->opt->t_tol / scale;
     double g, slope;
-    wavy_start r = wavy_begin(s, ALL_TERMS, ray, &g, &slope);
+    const vertex_place vertex = to_vertex_plane(ray);
+    wavy_start r = wavy_begin(s, ALL_TERMS, &vertex, ray, &g, &slope);
     wavy_round q = {.tau = r.tau, .again = MASK(true)};
     wavy_newton half = {.inverse = 0};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
@@ -79,7 +80,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
-        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, ray, t_tol);
+        q = wavy_bound_either(s, ALL_TERMS, &r, tau, &half, ray, t_tol);
         observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
@@ -93,7 +94,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     }
     bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
     if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
+        is_first = wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray) ||
+                   wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
                    is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, half.inverse}, ray);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
                ? EASY_HIT
@@ -120,7 +122,7 @@ typedef struct wavy_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
         v[SGT_TILE], near[SGT_TILE];
-    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
+    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE];
     mask again[SGT_TILE];
     lane_ends ends;
 } wavy_room;
@@ -148,13 +150,24 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
     const sgt_rays rows = tile->rays;
     size_t count = tile->n;
     mask every = MASK(true);
-    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        mask is = wavy_single(s, ray.d.x, ray.d.y, ray.d.z) | ~room->ends.hit[i];
-        room->again[i] = is;
-        every &= is;
-    }
+    const bool by_rim = s->single < HUGE_VAL;
+    if (by_rim)
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            mask is = wavy_single(s, ray.d.x, ray.d.y, ray.d.z) | ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
+    else
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            mask is = wavy_first_within(s, room->t0[i], room->x[i], room->y[i], room->tau[i], &ray) |
+                      ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
     if (every) return true;
     every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
@@ -347,20 +360,85 @@ SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_til
     (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
+/* THE BOUND of easy.h for the rays from i to `end`, but for those that have one by constants (again[i]).
+ * Then again[i]: another round may succeed.  Returns all bits set if it is any. */
+SGT_INLINE mask lane_bound(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room, size_t begin,
+                           size_t end)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = begin; i < end; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = room->x[i], y = room->y[i];
+        const wavy_newton h = {.tau2 = room->tau2[i],
+                               .step2 = room->step2[i],
+                               .inverse = room->inverse[i],
+                               .dw = room->dw[i],
+                               .slant = wavy_slant(x, y, room->from[i], &ray)};
+        wavy_round q = wavy_bound(s, terms, x, y, room->t0[i], &h, &ray, t_tol[i]);
+        const mask had = room->again[i], again = q.again & ~had;
+        room->tau[i] = chosen(had, room->tau[i], q.tau);
+        room->tau_err[i] = chosen(had, room->tau_err[i], q.tau_err);
+        room->v[i] = chosen(had, room->v[i], q.v);
+        room->near[i] = chosen(had, room->near[i], q.near);
+        room->again[i] = again;
+        any |= again;
+    }
+    return any;
+}
+
+SGT_KERNEL
+static mask asphere_lanes_few_bound(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t i, size_t end)
+{
+    return lane_bound(s, FEW_TERMS, tile, room, i, end);
+}
+SGT_KERNEL
+static mask asphere_lanes_all_bound(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t i, size_t end)
+{
+    return lane_bound(s, ALL_TERMS, tile, room, i, end);
+}
+
+/* The same for a whole tile: for the parts of it in which some ray has no bound by constants. */
+SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    enum { PART = 16 };
+    size_t from = 0, i, end;
+    mask any = 0;
+    for (i = 0; i <= tile->n; i = end) {
+        bool all = i == tile->n;
+        end = i + PART < tile->n ? i + PART : tile->n + all;
+        mask had = MASK(true);
+        for (size_t j = i; j < end && !all; j++) had &= room->again[j];
+        if (!had) continue;
+        if (from < i)
+            any |= (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(s, tile, room, from, i);
+        if (!all) memset(room->again + i, 0, (end - i) * sizeof *room->again);
+        from = end;
+    }
+    return any;
+}
+
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
                              wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
-    const double *t_tol = tile->t_tol;
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
     size_t count = tile->n;
     mask some = 0;
+    LANES for (size_t i = 0; i < count; i++) {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const vertex_place at = to_vertex_plane(&ray);
+        room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
+    }
     _Pragma("omp simd reduction(| : some)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
+        const vertex_place at = {.x = room->x[i], .y = room->y[i]};
         double g, slope;
-        wavy_start r = wavy_begin(s, terms, &ray, &g, &slope);
+        wavy_start r = wavy_begin(s, terms, &at, &ray, &g, &slope);
         if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
-        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
         room->from[i] = r.tau;
         if (first) some |= wavy_along(&ray);
     }
@@ -373,24 +451,42 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         return lane_told(tile, &room->ends, 4, 0);
     }
     int extra[SGT_TILE], rounds = 1;
-    mask any = 0;
     for (;; rounds++) {
-        any = 0;
-        LANES for (size_t i = 0; i < count; i++) {
+        mask near = 0, every = 0;
+        _Pragma("omp simd reduction(| : near)") for (size_t i = 0; i < count; i++)
+        {
             const sgt_ray ray = lane_ray_of(&rows, i);
-            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], &ray);
-            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse,
-            room->dw[i] = h.dw, room->slant[i] = h.slant;
+            const double tau1 = room->from[i];
+            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], tau1, &ray);
+            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse, room->dw[i] = h.dw;
+            near |= wavy_within(s, room->x[i], room->y[i], tau1, &ray);
         }
-        _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
-            const sgt_ray ray = lane_ray_of(&rows, i);
-            wavy_newton h = {
-                room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, &ray, t_tol[i]);
-            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
-            room->again[i] = q.again;
-            any |= q.again;
-        }
+        if (near) {
+            LANES for (size_t i = 0; i < count; i++)
+            {
+                const sgt_ray ray = lane_ray_of(&rows, i);
+                wavy_second at = wavy_second_of(s, terms, room->x[i], room->y[i], room->tau2[i], &ray);
+                room->near[i] = at.rho, room->v[i] = at.w, room->tau[i] = at.g;
+            }
+            every = MASK(true);
+            _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+            {
+                const sgt_ray ray = lane_ray_of(&rows, i);
+                const wavy_newton h = {.tau2 = room->tau2[i],
+                                       .step2 = room->step2[i],
+                                       .inverse = room->inverse[i],
+                                       .dw = room->dw[i]};
+                const wavy_second at = {room->near[i], room->v[i], room->tau[i]};
+                wavy_round q = wavy_bound_within(s, room->x[i], room->y[i], room->t0[i], &h, &at, &ray);
+                const mask is = MASK(q.tau_err == q.tau_err);
+                room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
+                room->again[i] = is;
+                every &= is;
+            }
+        } else
+            memset(room->again, 0, count * sizeof *room->again);
+        if (every) break;
+        mask any = lane_bounds(self, terms, tile, room);
         if (!any || rounds == ROUNDS) break;
         /* Rays that are done take another round too, with the same result. */
         for (size_t i = 0; i < count; i++) {
