@@ -306,7 +306,13 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
     return hard;
 }
 
-/* The second loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
+SGT_KERNEL
+static void asphere_lanes_unmet(const lane_to *to, size_t count) { lane_unmet(to, false, count); }
+
+SGT_KERNEL
+static void asphere_lanes_unmet_rich(const lane_to *to, size_t count) { lane_unmet(to, true, count); }
+
+/* The last loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
 SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
@@ -314,7 +320,7 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     const double *t_tol = tile->t_tol;
     size_t count = tile->n;
     const bool whole = wish == LANE_BARE;
-    lane_to to = lane_to_of(tile, &room->ends);
+    const lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
@@ -323,9 +329,10 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
         mask exact = vertex ? at_vertex(r.x, r.y, ray.o.z) : 0;
         const wavy_round q = {.v = room->v[i], .near = room->near[i]};
         lane e = wavy_end(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
-        LANE_STORE(to, i, e, wish);
+        LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }
+    if (!all) (wish >= LANE_FINE ? asphere_lanes_unmet_rich : asphere_lanes_unmet)(&to, count);
     return all;
 }
 
@@ -427,22 +434,29 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
     size_t count = tile->n;
-    mask some = 0;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask along = 0, endless = 0;
+    LANES for (size_t i = 0; i < count; i++)
+    {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const vertex_place at = to_vertex_plane(&ray);
         room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
     }
-    _Pragma("omp simd reduction(| : some)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(| : along, endless)") for (size_t i = 0; i < count; i++)
+    {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const vertex_place at = {.x = room->x[i], .y = room->y[i]};
         double g, slope;
         wavy_start r = wavy_begin(s, terms, &at, &ray, &g, &slope);
-        if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
         room->from[i] = r.tau;
-        if (first) some |= wavy_along(&ray);
+        if (first) along |= wavy_along(&ray), endless |= MASK(ray.tmin == -HUGE_VAL);
     }
-    if (first && s->side && some) without_grazing(self, terms, tile, room);
+    if (endless)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
+        }
+    if (along && s->side) without_grazing(self, terms, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */

@@ -94,10 +94,10 @@ typedef struct bowl_terms {
     double a, n2, A, Aa, B, C, D, size;
 } bowl_terms;
 
-SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
+SGT_INLINE bowl_terms bowl_terms_at(const bowl *s, const vertex_place *at, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    bowl_terms g = {.at = to_vertex_plane(ray), .a = l * l + m * m, .n2 = n * n};
+    bowl_terms g = {.at = *at, .a = l * l + m * m, .n2 = n * n};
     double x = g.at.x, y = g.at.y, xl = x * l, ym = y * m,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     g.A = s->c * sgt_fma(s->k1, g.n2, g.a), g.B = sgt_fma(-s->c, xl + ym, n), g.C = s->c * (x * x + y * y);
@@ -106,13 +106,20 @@ SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
     return g;
 }
 
+SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
+{
+    const vertex_place at = to_vertex_plane(ray);
+    return bowl_terms_at(s, &at, ray);
+}
+
 /* With D <= 16 n^2 it leaves n^2 > 2^-196. */
 static const double LEAST_D4 = 0x1p-190;
 
 /* D4: sums, because products are the most frequent operation here. */
-SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
+SGT_INLINE near_root easy_start_at(const bowl *s, bool first, bool proof, const vertex_place *at,
+                                   const sgt_ray *ray)
 {
-    const bowl_terms g = bowl_terms_of(s, ray);
+    const bowl_terms g = bowl_terms_at(s, at, ray);
     double D4 = (g.D + g.D) + (g.D + g.D);
     double S = sqrt(g.D), b = g.B + copysign(S, g.B), tau = g.C / b, small = g.at.t0_lo + tau,
            t = g.at.t0 + small, reach = fabs(t) + fabs(small);
@@ -132,6 +139,12 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
                        .tau_err = tau_err,
                        .t0 = g.at.t0,
                        .small = small};
+}
+
+SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
+{
+    const vertex_place at = to_vertex_plane(ray);
+    return easy_start_at(s, first, proof, &at, ray);
 }
 
 /* May easy_start give a root near the vertex, which is the first one unless far_gone?  If not, its t_err is

@@ -41,7 +41,7 @@ SGT_INLINE twofold place_of_root(double o, double t, double d)
  * If the quick form gives no answer, t_err is NaN. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
 
-/* The ray met.  hit: certainly met, and the root is accepted. */
+/* The ray met.  hit: certainly met, and the root is accepted.  If not, the rest means nothing. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
 
 /* Where the ray meets the vertex plane: the point (x, y, 0), at t0 + t0_lo.  Each coordinate is rounded
@@ -88,7 +88,7 @@ SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bo
     const double pz = there->pz, g = there->g, near = there->near;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
-           r2 = px * px + py * py, none = (double)NAN;
+           r2 = px * px + py * py;
     mask between = MASK(at + near < 0x1p1000), apart = exact;
     if (!whole) {
         between = MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) &
@@ -97,14 +97,11 @@ SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bo
     }
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & between & MASK(r2 <= rim2)
                & (MASK(at + r->t_err > LEAST_PLACE) | apart);
-    lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
-              .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
-              .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
-    e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
+    lane e = {.hit = hit, .t = r->t, .t_err = r->t_err, .px = px, .py = py, .pz = pz, .nx = px * g, .ny = py * g};
+    e.t_lo = two_sum(r->t0, r->small).lo;
     double length = fabs(l) + fabs(m) + fabs(n),
            place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
-    e.p_err = chosen(
-        hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    e.p_err = 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place);
     return e;
 }
 
@@ -150,29 +147,71 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
  * too. */
 typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
 
-#define LANE_STORE(to, i, e, wish)                                                              \
-    do {                                                                                        \
-        (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;                          \
-        if ((wish) != LANE_BARE) (to).t[i] = (e).t, (to).t_err[i] = (e).t_err;                  \
-        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), \
-        (to).hit[i] = (e).hit;                                                                  \
-        if ((wish) >= LANE_FINE) (to).t_lo[i] = (e).t_lo;                                       \
-        if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                                     \
+/* Of a ray that is not met what means nothing is stored, too: lane_unmet follows. */
+#define LANE_STORE_ALL(to, i, e, wish)                                         \
+    do {                                                                       \
+        (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;         \
+        if ((wish) != LANE_BARE) (to).t[i] = (e).t, (to).t_err[i] = (e).t_err; \
+        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = 1;              \
+        (to).hit[i] = (e).hit;                                                 \
+        if ((wish) >= LANE_FINE) (to).t_lo[i] = (e).t_lo;                      \
+        if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                    \
     } while (0)
+
+/* What is stored, or NaN of a ray that is not met. */
+SGT_INLINE lane lane_if_met(const lane *e)
+{
+    const double none = (double)NAN;
+    const mask hit = e->hit;
+    return (lane){chosen(hit, e->t, none),  chosen(hit, e->t_err, none), chosen(hit, e->t_lo, none),
+                  chosen(hit, e->px, none), chosen(hit, e->py, none),    chosen(hit, e->pz, none),
+                  chosen(hit, e->nx, none), chosen(hit, e->ny, none),    chosen(hit, e->p_err, none),
+                  hit};
+}
+
+#define LANE_STORE(to, i, e, wish)                           \
+    do {                                                     \
+        const lane stored = lane_if_met(&(e));               \
+        LANE_STORE_ALL(to, i, stored, wish);                 \
+        (to).nz[i] = chosen(stored.hit, 1, (double)NAN);     \
+    } while (0)
+
+/* After LANE_STORE_ALL of `count` rays: NaN for those that are not met.  rich: t_lo and p_err are stored. */
+SGT_INLINE void lane_unmet(const lane_to *to, bool rich, size_t count)
+{
+    const lane_to own = *to;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        lane e = {.t = own.t[i],
+                  .t_err = own.t_err[i],
+                  .px = own.px[i],
+                  .py = own.py[i],
+                  .pz = own.pz[i],
+                  .nx = own.nx[i],
+                  .ny = own.ny[i],
+                  .hit = own.hit[i]};
+        if (rich) e.t_lo = own.t_lo[i], e.p_err = own.p_err[i];
+        if (rich)
+            LANE_STORE(own, i, e, LANE_RICH);
+        else
+            LANE_STORE(own, i, e, LANE_PLAIN);
+    }
+}
 
 /* Stores all of a lane if `is`, and leaves what is there if not. */
 #define LANE_STORE_IF(to, i, e, is)                                                                 \
     do {                                                                                            \
         const mask now = is;                                                                        \
-        (to).t[i] = chosen(now, (e).t, (to).t[i]);                                                  \
-        (to).t_err[i] = chosen(now, (e).t_err, (to).t_err[i]);                                      \
-        (to).t_lo[i] = chosen(now, (e).t_lo, (to).t_lo[i]);                                         \
-        (to).px[i] = chosen(now, (e).px, (to).px[i]), (to).py[i] = chosen(now, (e).py, (to).py[i]); \
-        (to).pz[i] = chosen(now, (e).pz, (to).pz[i]), (to).nx[i] = chosen(now, (e).nx, (to).nx[i]); \
-        (to).ny[i] = chosen(now, (e).ny, (to).ny[i]);                                               \
-        (to).nz[i] = chosen(now, chosen((e).hit, 1, (double)NAN), (to).nz[i]);                      \
-        (to).p_err[i] = chosen(now, (e).p_err, (to).p_err[i]);                                      \
-        (to).hit[i] = ((e).hit & now) | ((to).hit[i] & ~now);                                       \
+        const lane met = lane_if_met(&(e));                                                         \
+        (to).t[i] = chosen(now, met.t, (to).t[i]);                                                  \
+        (to).t_err[i] = chosen(now, met.t_err, (to).t_err[i]);                                      \
+        (to).t_lo[i] = chosen(now, met.t_lo, (to).t_lo[i]);                                         \
+        (to).px[i] = chosen(now, met.px, (to).px[i]), (to).py[i] = chosen(now, met.py, (to).py[i]); \
+        (to).pz[i] = chosen(now, met.pz, (to).pz[i]), (to).nx[i] = chosen(now, met.nx, (to).nx[i]); \
+        (to).ny[i] = chosen(now, met.ny, (to).ny[i]);                                               \
+        (to).nz[i] = chosen(now, chosen(met.hit, 1, (double)NAN), (to).nz[i]);                      \
+        (to).p_err[i] = chosen(now, met.p_err, (to).p_err[i]);                                      \
+        (to).hit[i] = (met.hit & now) | ((to).hit[i] & ~now);                                       \
     } while (0)
 
 SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
