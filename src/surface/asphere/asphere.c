@@ -428,35 +428,53 @@ SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *t
     return any;
 }
 
+/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or wavy_grazes may have
+ * something to say. */
+SGT_INLINE mask lane_begin(const wavy *self, int terms, bool first, bool at_once, const sgt_tile *tile,
+                           wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    mask odd = 0;
+    if (!at_once)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            const vertex_place at = to_vertex_plane(&ray);
+            room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
+        }
+    _Pragma("omp simd reduction(| : odd)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        vertex_place at;
+        double g, slope;
+        if (at_once) {
+            at = to_vertex_plane(&ray);
+            room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
+        } else
+            at = (vertex_place){.x = room->x[i], .y = room->y[i]};
+        room->from[i] = wavy_begin(s, terms, &at, &ray, &g, &slope).tau;
+        if (first) odd |= wavy_along(&ray) | MASK(ray.tmin == -HUGE_VAL);
+    }
+    return odd;
+}
+
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
                              wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
     size_t count = tile->n;
-    mask along = 0, endless = 0;
-    LANES for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        const vertex_place at = to_vertex_plane(&ray);
-        room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
-    }
-    _Pragma("omp simd reduction(| : along, endless)") for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        const vertex_place at = {.x = room->x[i], .y = room->y[i]};
-        double g, slope;
-        wavy_start r = wavy_begin(s, terms, &at, &ray, &g, &slope);
-        room->from[i] = r.tau;
-        if (first) along |= wavy_along(&ray), endless |= MASK(ray.tmin == -HUGE_VAL);
-    }
-    if (endless)
+    const mask odd = tile->far ? lane_begin(self, terms, first, true, tile, room)
+                               : lane_begin(self, terms, first, false, tile, room);
+    if (odd)
         LANES for (size_t i = 0; i < count; i++)
         {
             const sgt_ray ray = lane_ray_of(&rows, i);
             room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
         }
-    if (along && s->side) without_grazing(self, terms, tile, room);
+    if (odd && s->side) without_grazing(self, terms, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */
