@@ -86,7 +86,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    const lane end = wavy_end_any(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    *e = lane_if_met(&end);
     if (!e->hit) {
         bool misses = wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ||
                       (q.tau == q.tau && asphere_leaves_it(s, h, ray));
@@ -328,7 +329,7 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
             wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
         mask exact = vertex ? at_vertex(r.x, r.y, ray.o.z) : 0;
         const wavy_round q = {.v = room->v[i], .near = room->near[i]};
-        lane e = wavy_end(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
+        lane e = wavy_end_any(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
         LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }

@@ -486,15 +486,15 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
     return at;
 }
 
-SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, const wavy_round *q, mask exact,
-                         const sgt_ray *ray, double t_tol, bool whole)
+SGT_INLINE lane wavy_end_any(const wavy *s, int terms, const near_root *r, const wavy_round *q, mask exact,
+                             const sgt_ray *ray, double t_tol, bool whole)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
            dp = horner(s->slope, terms, rho), g = -s->c / q->v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
-    return lane_of(&at, ray, t_tol, whole, &(lane_end){r->tau * n, g, q->near}, s->rim2, exact,
-                   MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+    return lane_any(&at, ray, t_tol, whole, &(lane_end){r->tau * n, g, q->near}, s->rim2, exact,
+                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
 /* AWAY.  The ray certainly misses.  By the slope, the root is the only one within the rim and as far out

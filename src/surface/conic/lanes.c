@@ -40,7 +40,7 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
         {
             const sgt_ray ray = lane_ray_of(&rows, i);
             const vertex_place at = {room->t0[i], room->small[i], room->x[i], room->y[i]};
-            near_root r = easy_start_at(s, first, proof, &at, &ray);
+            near_root r = easy_start_at(s, first, proof, at, &ray);
             room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
             if (wish >= LANE_FINE) room->small[i] = r.small;
             if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
@@ -63,7 +63,8 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
             if (wish >= LANE_FINE) r.t0 = room->t0[i], r.small = room->small[i];
             if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
         }
-        lane e = plane ? plane_end(s, &r, &ray, t_tol[i], whole) : easy_end(s, &r, &ray, t_tol[i], whole);
+        lane e = plane ? plane_end_any(s, &r, &ray, t_tol[i], whole)
+                       : easy_end_any(s, &r, &ray, t_tol[i], whole);
         LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }
@@ -220,7 +221,7 @@ SGT_INLINE void lane_sooner(const bowl *self, bool first, const sgt_tile *tile, 
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         near_root r = easy_start(s, false, false, &ray);
-        mask met = easy_end(s, &r, &ray, t_tol[i], false).hit;
+        mask met = easy_end(s, &r, &ray, t_tol[i]).hit;
         r.t_err = easy_start(s, false, true, &ray).t_err;
         met |= nearby(s, &r, &ray, t_tol[i]).hit;
         if (first) {

@@ -133,7 +133,7 @@ SGT_INLINE lane side_hit(const bowl *s, const side_origin *q, double tau, double
                    .tau_err = tau_err,
                    .t0 = q->t0,
                    .small = tau};
-    lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, -s->c / (1 - w), width}, s->rim2, MASK(false),
+    lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, -s->c / (1 - w), width}, s->rim2, MASK(false),
                      wanted & MASK(fabs(w) < 1 - 0x1p-8));
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;

@@ -41,8 +41,20 @@ SGT_INLINE twofold place_of_root(double o, double t, double d)
  * If the quick form gives no answer, t_err is NaN. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
 
-/* The ray met.  hit: certainly met, and the root is accepted.  If not, the rest means nothing. */
+/* The ray met.  hit: certainly met, and the root is accepted.  If not, the rest is NaN, or what `any` in the
+ * name of a function says: it means nothing. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
+
+/* The same, or NaN of a ray that is not met. */
+SGT_INLINE lane lane_if_met(const lane *e)
+{
+    const double none = (double)NAN;
+    const mask hit = e->hit;
+    return (lane){chosen(hit, e->t, none),  chosen(hit, e->t_err, none), chosen(hit, e->t_lo, none),
+                  chosen(hit, e->px, none), chosen(hit, e->py, none),    chosen(hit, e->pz, none),
+                  chosen(hit, e->nx, none), chosen(hit, e->ny, none),    chosen(hit, e->p_err, none),
+                  hit};
+}
 
 /* Where the ray meets the vertex plane: the point (x, y, 0), at t0 + t0_lo.  Each coordinate is rounded
  * twice, by at most u of itself and of t0_lo l.  t0 + t0_lo is off by 9 u^2 |t0|.  With S or the slope as
@@ -82,8 +94,8 @@ typedef struct lane_end {
     double pz, g, near;
 } lane_end;
 
-SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bool whole,
-                        const lane_end *there, double rim2, mask exact, mask also)
+SGT_INLINE lane lane_any(const near_root *r, const sgt_ray *ray, double t_tol, bool whole,
+                         const lane_end *there, double rim2, mask exact, mask also)
 {
     const double pz = there->pz, g = there->g, near = there->near;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
@@ -103,6 +115,14 @@ SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bo
            place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
     e.p_err = 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place);
     return e;
+}
+
+/* The same, and NaN of a ray that is not met. */
+SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, const lane_end *there,
+                        double rim2, mask exact, mask also)
+{
+    const lane e = lane_any(r, ray, t_tol, false, there, rim2, exact, also);
+    return lane_if_met(&e);
 }
 
 /* The answer of the easy form for a single ray.  EASY_NOT: none. */
@@ -147,7 +167,7 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
  * too. */
 typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
 
-/* Of a ray that is not met what means nothing is stored, too: lane_unmet follows. */
+/* Stores whatever a lane has, without a look at hit: lane_unmet follows where a ray of the tile is not met. */
 #define LANE_STORE_ALL(to, i, e, wish)                                         \
     do {                                                                       \
         (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;         \
@@ -158,22 +178,10 @@ typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish
         if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                    \
     } while (0)
 
-/* What is stored, or NaN of a ray that is not met. */
-SGT_INLINE lane lane_if_met(const lane *e)
-{
-    const double none = (double)NAN;
-    const mask hit = e->hit;
-    return (lane){chosen(hit, e->t, none),  chosen(hit, e->t_err, none), chosen(hit, e->t_lo, none),
-                  chosen(hit, e->px, none), chosen(hit, e->py, none),    chosen(hit, e->pz, none),
-                  chosen(hit, e->nx, none), chosen(hit, e->ny, none),    chosen(hit, e->p_err, none),
-                  hit};
-}
-
 #define LANE_STORE(to, i, e, wish)                           \
     do {                                                     \
-        const lane stored = lane_if_met(&(e));               \
-        LANE_STORE_ALL(to, i, stored, wish);                 \
-        (to).nz[i] = chosen(stored.hit, 1, (double)NAN);     \
+        LANE_STORE_ALL(to, i, e, wish);                      \
+        (to).nz[i] = chosen((e).hit, 1, (double)NAN);        \
     } while (0)
 
 /* After LANE_STORE_ALL of `count` rays: NaN for those that are not met.  rich: t_lo and p_err are stored. */
@@ -191,6 +199,7 @@ SGT_INLINE void lane_unmet(const lane_to *to, bool rich, size_t count)
                   .ny = own.ny[i],
                   .hit = own.hit[i]};
         if (rich) e.t_lo = own.t_lo[i], e.p_err = own.p_err[i];
+        e = lane_if_met(&e);
         if (rich)
             LANE_STORE(own, i, e, LANE_RICH);
         else
@@ -202,16 +211,15 @@ SGT_INLINE void lane_unmet(const lane_to *to, bool rich, size_t count)
 #define LANE_STORE_IF(to, i, e, is)                                                                 \
     do {                                                                                            \
         const mask now = is;                                                                        \
-        const lane met = lane_if_met(&(e));                                                         \
-        (to).t[i] = chosen(now, met.t, (to).t[i]);                                                  \
-        (to).t_err[i] = chosen(now, met.t_err, (to).t_err[i]);                                      \
-        (to).t_lo[i] = chosen(now, met.t_lo, (to).t_lo[i]);                                         \
-        (to).px[i] = chosen(now, met.px, (to).px[i]), (to).py[i] = chosen(now, met.py, (to).py[i]); \
-        (to).pz[i] = chosen(now, met.pz, (to).pz[i]), (to).nx[i] = chosen(now, met.nx, (to).nx[i]); \
-        (to).ny[i] = chosen(now, met.ny, (to).ny[i]);                                               \
-        (to).nz[i] = chosen(now, chosen(met.hit, 1, (double)NAN), (to).nz[i]);                      \
-        (to).p_err[i] = chosen(now, met.p_err, (to).p_err[i]);                                      \
-        (to).hit[i] = (met.hit & now) | ((to).hit[i] & ~now);                                       \
+        (to).t[i] = chosen(now, (e).t, (to).t[i]);                                                  \
+        (to).t_err[i] = chosen(now, (e).t_err, (to).t_err[i]);                                      \
+        (to).t_lo[i] = chosen(now, (e).t_lo, (to).t_lo[i]);                                         \
+        (to).px[i] = chosen(now, (e).px, (to).px[i]), (to).py[i] = chosen(now, (e).py, (to).py[i]); \
+        (to).pz[i] = chosen(now, (e).pz, (to).pz[i]), (to).nx[i] = chosen(now, (e).nx, (to).nx[i]); \
+        (to).ny[i] = chosen(now, (e).ny, (to).ny[i]);                                               \
+        (to).nz[i] = chosen(now, chosen((e).hit, 1, (double)NAN), (to).nz[i]);                      \
+        (to).p_err[i] = chosen(now, (e).p_err, (to).p_err[i]);                                      \
+        (to).hit[i] = ((e).hit & now) | ((to).hit[i] & ~now);                                       \
     } while (0)
 
 SGT_INLINE lane_wish lane_wish_of(const sgt_tile *tile)
