@@ -80,7 +80,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
-        q = wavy_bound_either(s, ALL_TERMS, &r, tau, &half, ray, t_tol);
+        q = wavy_bound_either(s, ALL_TERMS, &r, &half, ray, t_tol);
         observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
@@ -95,7 +95,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     }
     bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
     if (!is_first)
-        is_first = wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray) ||
+        is_first = (s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) ||
                    wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
                    is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, half.inverse}, ray);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
@@ -151,8 +151,7 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
     const sgt_rays rows = tile->rays;
     size_t count = tile->n;
     mask every = MASK(true);
-    const bool by_rim = s->single < HUGE_VAL;
-    if (by_rim)
+    if (s->single < HUGE_VAL || !(s->disc > 0))
         _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
         {
             const sgt_ray ray = lane_ray_of(&rows, i);
@@ -368,10 +367,10 @@ SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_til
     (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
-/* THE BOUND of easy.h for the rays from i to `end`, but for those that have one by constants (again[i]).
- * Then again[i]: another round may succeed.  Returns all bits set if it is any. */
-SGT_INLINE mask lane_bound(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room, size_t begin,
-                           size_t end)
+/* THE BOUND of easy.h for the rays from `begin` to `end`; some: but for those that have one by constants
+ * (again[i]).  Then again[i]: another round may succeed.  Returns all bits set if it is any. */
+SGT_INLINE mask lane_bound(const wavy *self, int terms, bool some, const sgt_tile *tile, wavy_room *room,
+                           size_t begin, size_t end)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
@@ -387,44 +386,48 @@ SGT_INLINE mask lane_bound(const wavy *self, int terms, const sgt_tile *tile, wa
                                .dw = room->dw[i],
                                .slant = wavy_slant(x, y, room->from[i], &ray)};
         wavy_round q = wavy_bound(s, terms, x, y, room->t0[i], &h, &ray, t_tol[i]);
-        const mask had = room->again[i], again = q.again & ~had;
-        room->tau[i] = chosen(had, room->tau[i], q.tau);
-        room->tau_err[i] = chosen(had, room->tau_err[i], q.tau_err);
-        room->v[i] = chosen(had, room->v[i], q.v);
-        room->near[i] = chosen(had, room->near[i], q.near);
-        room->again[i] = again;
-        any |= again;
+        if (some) {
+            const mask had = room->again[i];
+            q.again &= ~had;
+            q.tau = chosen(had, room->tau[i], q.tau), q.tau_err = chosen(had, room->tau_err[i], q.tau_err);
+            q.v = chosen(had, room->v[i], q.v), q.near = chosen(had, room->near[i], q.near);
+        }
+        room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
+        room->again[i] = q.again;
+        any |= q.again;
     }
     return any;
 }
 
-SGT_KERNEL
-static mask asphere_lanes_few_bound(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t i, size_t end)
-{
-    return lane_bound(s, FEW_TERMS, tile, room, i, end);
-}
-SGT_KERNEL
-static mask asphere_lanes_all_bound(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t i, size_t end)
-{
-    return lane_bound(s, ALL_TERMS, tile, room, i, end);
-}
+#define LANES_BOUND(name, terms, some)                                                                        \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t begin, size_t end) \
+    {                                                                                                         \
+        return lane_bound(s, terms, some, tile, room, begin, end);                                            \
+    }
 
-/* The same for a whole tile: for the parts of it in which some ray has no bound by constants. */
+LANES_BOUND(asphere_lanes_few_bound, FEW_TERMS, false)
+LANES_BOUND(asphere_lanes_few_bound_some, FEW_TERMS, true)
+LANES_BOUND(asphere_lanes_all_bound, ALL_TERMS, false)
+LANES_BOUND(asphere_lanes_all_bound_some, ALL_TERMS, true)
+
+/* The same of a whole tile, for the parts of it in which some ray has no bound by constants. */
 SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
 {
     enum { PART = 16 };
-    size_t from = 0, i, end;
     mask any = 0;
-    for (i = 0; i <= tile->n; i = end) {
-        bool all = i == tile->n;
-        end = i + PART < tile->n ? i + PART : tile->n + all;
+    size_t from = 0;
+    for (size_t i = 0; i < tile->n; i += PART) {
+        const size_t end = i + PART < tile->n ? i + PART : tile->n;
         mask had = MASK(true);
-        for (size_t j = i; j < end && !all; j++) had &= room->again[j];
-        if (!had) continue;
-        if (from < i)
-            any |= (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(s, tile, room, from, i);
-        if (!all) memset(room->again + i, 0, (end - i) * sizeof *room->again);
-        from = end;
+        for (size_t j = i; j < end; j++) had &= room->again[j];
+        if (had) memset(room->again + i, 0, (end - i) * sizeof had);
+        if (had || end == tile->n) {
+            const size_t to = had ? i : end;
+            if (from < to)
+                any |= (terms > FEW_TERMS ? asphere_lanes_all_bound_some : asphere_lanes_few_bound_some)(
+                    s, tile, room, from, to);
+            from = end;
+        }
     }
     return any;
 }
@@ -485,7 +488,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
     }
     int extra[SGT_TILE], rounds = 1;
     for (;; rounds++) {
-        mask near = 0, every = 0;
+        mask near = 0, any = 0;
         _Pragma("omp simd reduction(| : near)") for (size_t i = 0; i < count; i++)
         {
             const sgt_ray ray = lane_ray_of(&rows, i);
@@ -501,7 +504,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
                 wavy_second at = wavy_second_of(s, terms, room->x[i], room->y[i], room->tau2[i], &ray);
                 room->near[i] = at.rho, room->v[i] = at.w, room->tau[i] = at.g;
             }
-            every = MASK(true);
+            mask every = MASK(true);
             _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
             {
                 const sgt_ray ray = lane_ray_of(&rows, i);
@@ -516,10 +519,10 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
                 room->again[i] = is;
                 every &= is;
             }
+            if (every) break;
+            any = lane_bounds(self, terms, tile, room);
         } else
-            memset(room->again, 0, count * sizeof *room->again);
-        if (every) break;
-        mask any = lane_bounds(self, terms, tile, room);
+            any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0, count);
         if (!any || rounds == ROUNDS) break;
         /* Rays that are done take another round too, with the same result. */
         for (size_t i = 0; i < count; i++) {
@@ -674,7 +677,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     lane e;
     WENT(WAY_ROUNDS);
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
-    if (tried) v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
+    if (tried) wavy_constants(&h, &v), v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
     const bool grazes = is == EASY_GRAZES;
     if (grazes) is = EASY_NOT;
@@ -842,6 +845,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
+            wavy_constants(&h, &v);
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             size_t hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);

@@ -66,29 +66,31 @@
  * below 64 |s|.  rho0 <= 4 rho is required: a start not too far away.  Underflow, that of z at t0
  * included, is below 2^-1060 in G.
  *
- * BY CONSTANTS.  Half of the work of a round is that bound.  So most rays get another one first, with sums of
- * the surface instead of their own; those that it leaves get THE BOUND.  The constants are those of a disc of
- * radius R, D = R^2, in which the terms are weak (wavy_disc).  F = `first` at D, chi = (1 + k) c^2 D:
- *     F <= |c| / 8,  |chi| <= 1/2,  and within the disc |(1 + k) c w| <= kappa = |chi| / (1 + sqrt(1 - chi))
- * on the sheet, at most 0.3.  Without such a disc (c = 0, strong terms) THE BOUND alone is asked.
- *     The cell is within the disc if 17/16 rho + 17 a H^2 <= D.  There |x l + y m| <= R sqrt a.  With
- *     B = |n| + (2 F + |c|) R sqrt a it follows that
- *         |w'| <= B,  |w''| <= a W,  W = 2 F (2 T - 1),  B^2 <= N2 = 2 n^2 + 2 (2 F + |c|)^2 D a.
- *     M = (|c| + 1.625 W) a + |(1 + k) c| N2, if |(1 + k) c w| <= 0.625 in the cell.  It is: at tau_2 it is at
- *         most kappa.  Let it change by at most y <= |(1 + k) c| B H from there.  s is a slope in the cell, of
- *         v w' and c (x l + y m), so |s| <= (1 + kappa + y) B.  Delta <= |s| / 8 bounds 2 M H, and M holds
- *         |(1 + k) c| B^2.  So |(1 + k) c| B^2 H <= (1.3 + y) B / 16, hence y <= (1.3 + y) / 16 < 0.09.
- *         So the root is on the sheet, too.
- *     e = q1 (9 rho + 2 rho0) + q2 |z| + q3 |w|, with V = 1 + kappa >= |v|, q1 = V F + |c| / 2, q2 = V, q3 = 4 V.
- *     s: the sum of its terms is at most 2 B, and N2 < 2^10 s^2 takes 2 B to 64 |s|.  |v| >= 0.7, and what v
- *         contributes is |(1 + k) c| e B at most 2^-43 B: rho0 <= 4 rho <= 4 D makes Q <= 17 D, |w| is at most
- *         0.4 / |(1 + k) c|, |z| at most F D more, and |(1 + k) c| F D <= |chi| / 8.
- *     H = |tau_2 - tau_1| + 2 (|step| + e / |s|) + 2^-40 |tau_2| + 2^-50 |t0|: no test of e is left.
- *     8 |step| Delta <= e, always.  The rounding of tau_3, below 4 u |step|, is in 1.16 - 8/7 of |step| 2^-30.
- * SHARP ENOUGH needs no test: on the sheet |w| >= omega rho with omega = |c| / (1 + max(1, sqrt(1 - chi))) >=
- * 0.44 |c|, and |z| >= |w| - F rho.  With Q <= 17 rho, e <= u (17.2 q1 rho + 1.01 (V |z| + 4 V |w|)) is at most
- * 25 u (|w| + |z|): 11.7 |c| rho of it by the first against 15.2 |c| rho that the others leave.
- * t_err is at most a seventh wider (tests/oracle/test_random.cpp counts it). */
+ * BY CONSTANTS.  Half of the work of a round is that bound.  So another one is asked first, with sums of the
+ * surface instead of the ray's own; rays that it leaves get THE BOUND.  The constants are those of a disc of
+ * radius R, D = R^2, in which the terms are weak (wavy_disc).  With F = `first` at D and chi = |(1 + k) c^2| D
+ *     F <= |c| / 8,  chi <= 1/2,
+ * and on the sheet within the disc |(1 + k) c w| <= kappa = chi / 2 + 0.172 chi^2 <= 0.293: it is 1 - sqrt(1 -
+ * chi), or, if 1 + k < 0, sqrt(1 + chi) - 1 <= chi / 2.  Without such a disc (c = 0, strong terms) THE BOUND
+ * alone is asked.
+ *     The cell is within the disc if 17/16 rho + 17 a H^2 <= D.  Then |x l + y m| <= R sqrt a there, and with
+ *     B = |n| + q sqrt a, q = (2 F + |c|) R,
+ *         |w'| <= B,  |w''| <= a W with W = 2 F (2 T - 1),  B^2 <= N2 = 5/4 n^2 + 5 q^2 a.
+ *     M = (|c| + (1.1 + kappa) W) a + |(1 + k) c| N2, if |(1 + k) c w| <= kappa + 0.1 in the cell.  It is: at
+ *         tau_2 it is at most kappa.  Let it change by at most y <= |(1 + k) c| B H from there.  s is a slope in
+ *         the cell, of v w' and c (x l + y m), so |s| <= (1 + kappa + y) B.  Delta <= |s| / 8 bounds 2 M H, and
+ *         M holds |(1 + k) c| B^2.  So y B <= |(1 + k) c| B^2 H <= |s| / 16, y <= (1.3 + y) / 16 < 0.09.  So
+ *         the root is on the sheet, too.
+ *     e = q1 (9 rho + 2 rho0) + q2 |z| + q3 |w|: |v| <= V = 1 + kappa, q1 = V F + |c| / 2, q2 = V, q3 = 4 V.
+ *     s: the magnitudes of its terms are at most 2 B, and N2 < 2^10 s^2 takes that to 64 |s|.  |v| at tau_1 is
+ *         at least 0.6, and |(1 + k) c| times what it is off by is below 2^-46: rho0 <= 4 rho <= 4 D makes Q <=
+ *         17 D, |(1 + k) c w| is below 0.4, |(1 + k) c| F D below 1/16, and |z| at most |w| + F D.
+ *     H = |tau_2 - tau_1| + 2 (|step| + e / |s|) + 2^-40 |tau_2| + 2^-50 |t0|, so 2 (|G| + e) / |s| <= H.
+ *     |step| Delta <= e / 8 is asked for, whatever t_tol.  The rounding of tau_3 by 2 u |step| is less than what
+ *         1.16 - 8/7 leaves of |step| 2^-30; that by u |tau_3| is added.
+ * SHARP ENOUGH needs no test.  On the sheet |w| >= 0.44 |c| rho, as 1 + sqrt(1 + chi) <= 2.23, and |z| >= |w| -
+ * F rho.  With rho0 <= 4 rho the first part of e is at most 11.5 u |c| rho.  The others leave (25 - 1.31) u |z|
+ * + (25 - 5.23) u |w| of 25 u (|z| + |w|), 16.1 u |c| rho at least. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -109,56 +111,10 @@ typedef struct wavy {
     bool side;                /* what is left goes to the form from the side: GRAZING */
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
-    /* BY CONSTANTS.  disc: D, or -1.  wide: 2 F + |c|; n1 a + 2 n^2 = N2; m1 a + m2 N2 = 2 M; e with u.
+    /* BY CONSTANTS.  disc: D, or -1.  wide: 2 F + |c|; n1 a + 1.25 n^2 = N2; m1 a + m2 N2 = 2 M; e with u.
      * first: n^2 > first a: F is monotone within the disc. */
     double disc, kappa, wide, n1, m1, m2, q1, q2, q3, first;
 } wavy;
-
-/* log2 of a double's size in steps of 2^-52, off by less than 0.09 2^52. */
-SGT_INLINE double rough_log2(double x)
-{
-    long long bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (double)(bits & 0x7fffffffffffffff);
-}
-
-/* D of a disc in which (i + 1) |a[i]| D^i is some 2^-(3.6 + i) |c| at most, |chi| <= 1/2, the slope of the
- * base 2, and the rim at most a little inside of it.  What is made of D is computed from it, so it may be a
- * guess. */
-SGT_INLINE double wavy_disc(const shape *s)
-{
-    static const double part[ALL_TERMS] = {0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
-    const double octave = 0x1p52, c = rough_log2(s->c) - 4.25 * octave;
-    double least = 0x1p62, D = 1.125 * s->rim2, c2 = s->c * s->c, sheet = fabs(s->ck * s->c);
-    for (int i = 1; i < s->terms; i++) {
-        double of = (c - rough_log2(s->a[i])) * part[i];
-        least = of < least ? of : least;
-    }
-    least += (1023 - 1.375) * octave;
-    if (least < 1200 * octave) { /* terms that are not weak anywhere near */
-        long long bits = least > 800 * octave ? (long long)least : 0;
-        double r2;
-        memcpy(&r2, &bits, sizeof r2);
-        D = r2 < D ? r2 : D;
-    }
-    D = D * c2 < 4 ? D : 4 / c2;
-    return D * sheet < 0.5 ? D : 0.5 / sheet;
-}
-
-SGT_INLINE double horner(const double *a, int terms, double rho);
-
-/* The constants of BY CONSTANTS.  disc stays -1 if there is no such disc. */
-SGT_INLINE void wavy_constants(const shape *s, wavy *v)
-{
-    const double c = v->abs_c, D = wavy_disc(s), F = horner(v->size, ALL_TERMS, D) * (1 + 0x1p-40);
-    if (!(F <= 0.125 * c && c > 0x1p-60 && D > 0x1p-400 && D < 0x1p400)) return;
-    const double chi = s->ck * s->c * D, kappa = fabs(chi) / (1 + sqrt(1 - chi)) * (1 + 0x1p-20), V = 1 + kappa,
-                 wide = 2 * F + c, u = 1.01 * SGT_U, steep = 1.5 * c + 2 * F;
-    v->disc = D, v->kappa = kappa, v->wide = wide, v->n1 = 2 * (wide * wide * D);
-    v->m1 = 2 * (c + 1.625 * (v->bend * F)), v->m2 = 2 * v->abs_ck;
-    v->q1 = u * (V * F + 0.5 * c), v->q2 = u * V, v->q3 = u * (4 * V);
-    v->first = steep * steep * D * (1 + 0x1p-18);
-}
 
 /* Returns false if no ray of the surface is easy. */
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
@@ -181,7 +137,6 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
                 .disc = -1};
     for (int i = 0; i < s->terms; i++)
         v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
-    wavy_constants(s, v);
     return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
 }
 
@@ -198,7 +153,53 @@ SGT_INLINE double horner(const double *a, int terms, double rho)
     return sgt_fma(sgt_fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
 }
 
-/* The same with the derivative. */
+/* log2 of a double's size in steps of 2^-52, off by less than 0.09 2^52. */
+SGT_INLINE double rough_log2(double x)
+{
+    long long bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (double)(bits & 0x7fffffffffffffff);
+}
+
+/* D of a disc in which (i + 1) |a[i]| D^i is some 2^-(3.6 + i) |c| at most, |chi| <= 1/2, the slope of the
+ * base 2, and the rim at most a little inside of it.  What is made of D is computed from it, so it may be a
+ * guess. */
+SGT_INLINE double wavy_disc(const shape *s)
+{
+    static const double part[ALL_TERMS] = {0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
+    const double octave = 0x1p52, c = rough_log2(s->c) - 4.25 * octave;
+    double least = 0x1p62, D = 1.125 * s->rim2,
+                 steep = larger(fabs(s->ck * s->c), 0.125 * (s->c * s->c));
+    for (int i = 1; i < s->terms; i++) {
+        double of = (c - rough_log2(s->a[i])) * part[i];
+        least = of < least ? of : least;
+    }
+    least += (1023 - 1.375) * octave;
+    if (least < 1200 * octave) { /* terms that are not weak anywhere near */
+        long long bits = least > 800 * octave ? (long long)least : 0;
+        double r2;
+        memcpy(&r2, &bits, sizeof r2);
+        D = r2 < D ? r2 : D;
+    }
+    return D * steep < 0.5 ? D : 0.5 / steep;
+}
+
+/* The constants of BY CONSTANTS, of what wavy_of has made.  disc stays -1 if there is no such disc. */
+SGT_INLINE void wavy_constants(const shape *s, wavy *v)
+{
+    const double c = v->abs_c;
+    if (!(c > 0x1p-60)) return;
+    const double D = wavy_disc(s), F = horner(v->size, ALL_TERMS, D) * (1 + 0x1p-40);
+    if (!(F <= 0.125 * c && D > 0x1p-400 && D < 0x1p400)) return;
+    const double chi = v->abs_ck * c * D, kappa = chi * sgt_fma(0.172, chi, 0.5) * (1 + 0x1p-20), V = 1 + kappa,
+                 wide = 2 * F + c, u = 1.01 * SGT_U, steep = 1.5 * c + 2 * F;
+    v->disc = D, v->kappa = kappa, v->wide = wide, v->n1 = 5 * (wide * wide * D);
+    v->m1 = 2 * sgt_fma(1.1 + kappa, v->bend * F, c), v->m2 = 2 * v->abs_ck;
+    v->q1 = u * (V * F + 0.5 * c), v->q2 = u * V, v->q3 = u * (4 * V);
+    v->first = steep * steep * D * (1 + 0x1p-18);
+}
+
+/* `horner` with the derivative. */
 SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *slope)
 {
     double h = a[3], d = 0;
@@ -328,7 +329,7 @@ SGT_INLINE wavy_round wavy_bound_within(const wavy *s, double x0, double y0, dou
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, rho = there->rho, w = there->w, ckw = s->ck * w;
     double step = there->g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w),
            az = fabs(at->tau2 * n);
-    double a = l * l + m * m, n2 = n * n, rho0 = x0 * x0 + y0 * y0, N2 = sgt_fma(s->n1, a, n2 + n2);
+    double a = l * l + m * m, n2 = n * n, rho0 = x0 * x0 + y0 * y0, N2 = sgt_fma(s->n1, a, 1.25 * n2);
     double e = sgt_fma(s->q3, aw,
                        sgt_fma(s->q2, az, sgt_fma(9 * s->q1, rho, sgt_fma(2 * s->q1, rho0, 0x1p-999)))),
            noise = e * ai, tau = at->tau2 - step;
@@ -347,10 +348,10 @@ SGT_INLINE wavy_round wavy_bound_within(const wavy *s, double x0, double y0, dou
 }
 
 /* A round of a single ray: by constants if they have an answer. */
-SGT_INLINE wavy_round wavy_bound_either(const wavy *s, int terms, const wavy_start *r, double tau1,
-                                        const wavy_newton *at, const sgt_ray *ray, double t_tol)
+SGT_INLINE wavy_round wavy_bound_either(const wavy *s, int terms, const wavy_start *r, const wavy_newton *at,
+                                        const sgt_ray *ray, double t_tol)
 {
-    if (wavy_within(s, r->x, r->y, tau1, ray)) {
+    if (s->disc > 0) {
         const wavy_second there = wavy_second_of(s, terms, r->x, r->y, at->tau2, ray);
         wavy_round q = wavy_bound_within(s, r->x, r->y, r->t0, at, &there, ray);
         if (q.tau_err == q.tau_err) return q;

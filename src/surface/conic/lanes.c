@@ -132,14 +132,14 @@ LANES_OF_BOWL(conic_lanes_near_fine, false, false, false, false, LANE_FINE)
 LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, false, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, false, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, false, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_near_far, false, false, false, true, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_near_far_rich, false, false, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_at_once, false, false, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_at_once_rich, false, false, false, true, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_first, false, true, false, false, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, false, LANE_RICH)
 LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, false, LANE_PLAIN)
 LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, false, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_first_far, false, true, false, true, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_first_far_rich, false, true, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first_at_once, false, true, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_at_once_rich, false, true, false, true, LANE_RICH)
 
 /* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
  * tiles are met so. */
@@ -620,6 +620,10 @@ static bool begins_close(const bowl *s, const sgt_tile *tile)
     return t_err == t_err && fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
+/* From memory one loop reads and writes while it computes; three would read first.  Of a few rays the loops
+ * cost more than the chains. */
+static bool one_loop(const sgt_tile *tile) { return tile->far || tile->n < 16; }
+
 /* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
@@ -635,7 +639,7 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
-    if (tile->far) return (rich ? conic_lanes_near_far_rich : conic_lanes_near_far)(s, tile, room);
+    if (one_loop(tile)) return (rich ? conic_lanes_near_at_once_rich : conic_lanes_near_at_once)(s, tile, room);
     if (fine) return conic_lanes_near_fine(s, tile, room);
     return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }
@@ -647,7 +651,8 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
         return rich ? conic_lanes_first_nearby_rich(s, tile, room) : conic_lanes_first_nearby(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
-    if (tile->far) return (rich ? conic_lanes_first_far_rich : conic_lanes_first_far)(s, tile, room);
+    if (one_loop(tile))
+        return (rich ? conic_lanes_first_at_once_rich : conic_lanes_first_at_once)(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
