@@ -68,7 +68,7 @@
  *
  * BY CONSTANTS.  Half of the work of a round is that bound.  So another one is asked first, with sums of the
  * surface instead of the ray's own; rays that it leaves get THE BOUND.  The constants are those of a disc of
- * radius R, D = R^2, in which the terms are weak (wavy_disc).  With F = `first` at D and chi = |(1 + k) c^2| D
+ * radius R, D = R^2, in which the terms are weak (wavy_constants).  With F = `first` at D and chi = |(1 + k) c^2| D
  *     F <= |c| / 8,  chi <= 1/2,
  * and on the sheet within the disc |(1 + k) c w| <= kappa = chi / 2 + 0.172 chi^2 <= 0.293: it is 1 - sqrt(1 -
  * chi), or, if 1 + k < 0, sqrt(1 + chi) - 1 <= chi / 2.  Without such a disc (c = 0, strong terms) THE BOUND
@@ -94,6 +94,7 @@
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
+#include "../../num/bits.h"
 #include "../sag/poly.h"
 #include "../sag/lanes.h"
 
@@ -153,35 +154,29 @@ SGT_INLINE double horner(const double *a, int terms, double rho)
     return sgt_fma(sgt_fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
 }
 
-/* log2 of a double's size in steps of 2^-52, off by less than 0.09 2^52. */
-SGT_INLINE double rough_log2(double x)
+/* log2 |x| + 1023 in steps of 2^-40, off by less than 0.09. */
+SGT_INLINE long long rough_log2(double x)
 {
     long long bits;
     memcpy(&bits, &x, sizeof bits);
-    return (double)(bits & 0x7fffffffffffffff);
+    return (bits & 0x7fffffffffffffff) >> 12;
 }
 
-/* D of a disc in which (i + 1) |a[i]| D^i is some 2^-(3.6 + i) |c| at most, |chi| <= 1/2, the slope of the
- * base 2, and the rim at most a little inside of it.  What is made of D is computed from it, so it may be a
- * guess. */
-SGT_INLINE double wavy_disc(const shape *s)
+/* r^2 up to which (i + 1) |a[i]| r^(2 i) is some 2^-(3.6 + i) |c| at most.  A guess will do, but in another unit
+ * of length, a power of two, it has to be the same: in integers. */
+SGT_INLINE double wavy_weak2(const shape *s)
 {
-    static const double part[ALL_TERMS] = {0, 1, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5, 1.0 / 6, 1.0 / 7};
-    const double octave = 0x1p52, c = rough_log2(s->c) - 4.25 * octave;
-    double least = 0x1p62, D = 1.125 * s->rim2,
-                 steep = larger(fabs(s->ck * s->c), 0.125 * (s->c * s->c));
+    const long long octave = 1LL << 40, c = rough_log2(s->c) - 17 * octave / 4;
+    long long least = 2222 * octave;
     for (int i = 1; i < s->terms; i++) {
-        double of = (c - rough_log2(s->a[i])) * part[i];
+        long long of = (c - rough_log2(s->a[i]) + i * (2048 * octave)) / i;
         least = of < least ? of : least;
     }
-    least += (1023 - 1.375) * octave;
-    if (least < 1200 * octave) { /* terms that are not weak anywhere near */
-        long long bits = least > 800 * octave ? (long long)least : 0;
-        double r2;
-        memcpy(&r2, &bits, sizeof r2);
-        D = r2 < D ? r2 : D;
-    }
-    return D * steep < 0.5 ? D : 0.5 / steep;
+    least -= 2048 * octave + 11 * octave / 8;
+    least = least < -800 * octave ? 0 : (least + 1023 * octave) << 12;
+    double r2;
+    memcpy(&r2, &least, sizeof r2);
+    return r2;
 }
 
 /* The constants of BY CONSTANTS, of what wavy_of has made.  disc stays -1 if there is no such disc. */
@@ -189,9 +184,15 @@ SGT_INLINE void wavy_constants(const shape *s, wavy *v)
 {
     const double c = v->abs_c;
     if (!(c > 0x1p-60)) return;
-    const double D = wavy_disc(s), F = horner(v->size, ALL_TERMS, D) * (1 + 0x1p-40);
+    const double most = larger(v->abs_ck * c, 0.125 * (c * c)); /* the sheet; a slope of the base of 2 */
+    double D = 1.125 * s->rim2, F = HUGE_VAL;
+    D = D * most < 0.5 ? D : 0.5 / most;
+    if (s->rim2 < HUGE_VAL) F = horner(v->size, ALL_TERMS, D);
+    if (!(F <= 0.08 * c)) D = smaller(wavy_weak2(s), D), F = horner(v->size, ALL_TERMS, D);
+    F *= 1 + 0x1p-40;
     if (!(F <= 0.125 * c && D > 0x1p-400 && D < 0x1p400)) return;
-    const double chi = v->abs_ck * c * D, kappa = chi * sgt_fma(0.172, chi, 0.5) * (1 + 0x1p-20), V = 1 + kappa,
+    const double chi = v->abs_ck * c * D,
+                 kappa = chi * sgt_fma(0.172, chi, 0.5) * (1 + 0x1p-20), V = 1 + kappa,
                  wide = 2 * F + c, u = 1.01 * SGT_U, steep = 1.5 * c + 2 * F;
     v->disc = D, v->kappa = kappa, v->wide = wide, v->n1 = 5 * (wide * wide * D);
     v->m1 = 2 * sgt_fma(1.1 + kappa, v->bend * F, c), v->m2 = 2 * v->abs_ck;
