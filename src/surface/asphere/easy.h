@@ -136,8 +136,9 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
                 .enough = s->terms <= 4 ? 4 * SGT_U : 0,
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck),
                 .disc = -1};
-    for (int i = 0; i < s->terms; i++)
-        v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
+    double number = 1;
+    for (int i = 0; i < s->terms; i++, number++)
+        v->a[i] = s->a[i], v->slope[i] = number * s->a[i], v->size[i] = fabs(v->slope[i]);
     return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
 }
 
@@ -166,14 +167,15 @@ SGT_INLINE long long rough_log2(double x)
  * of length, a power of two, it has to be the same: in integers. */
 SGT_INLINE double wavy_weak2(const shape *s)
 {
-    const long long octave = 1LL << 40, c = rough_log2(s->c) - 17 * octave / 4;
-    long long least = 2222 * octave;
+    const long long octave = 1LL << 40, up = 2048 * octave; /* makes it positive: the quotient is rounded down */
+    long long c = rough_log2(s->c) - 17 * octave / 4, least = 2222 * octave;
     for (int i = 1; i < s->terms; i++) {
-        long long of = (c - rough_log2(s->a[i]) + i * (2048 * octave)) / i;
+        c += up;
+        long long of = (c - rough_log2(s->a[i])) / i;
         least = of < least ? of : least;
     }
-    least -= 2048 * octave + 11 * octave / 8;
-    least = least < -800 * octave ? 0 : (least + 1023 * octave) << 12;
+    least += 1023 * octave - 11 * octave / 8 - up;
+    least = least > 0 ? least << 12 : 0;
     double r2;
     memcpy(&r2, &least, sizeof r2);
     return r2;
