@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-/* The bound of an even asphere by constants of a disc (BY CONSTANTS in src/surface/asphere/easy.h), against what
- * the constants stand for, in long double, at points and rays of the disc that come near to them: a constant a
- * tenth too small fails.  Of random surfaces, with a rim and without:
+/* The bound of an even asphere by constants of a disc (BY CONSTANTS in src/surface/asphere/easy.h), against
+ * what the constants stand for, in long double, at points and rays of the disc that come near to them: a
+ * constant a tenth too small fails.  Of random surfaces, with a rim and without:
  *
  *     F       the magnitudes of the terms of P', summed, at the edge of the disc
  *     kappa   (1 + k) c w on the sheet, where it is greatest
@@ -25,22 +25,24 @@ static double of_size(double least, double most)
     return uniform(&drawn, 0, 1) < 0.5 ? size : -size;
 }
 
-typedef struct of_terms { long double first, bend, second; } of_terms; /* |P'|, P' + 2 rho P'' by magnitude, P' + ... */
+/* P' by magnitudes; 2 P' + 4 rho P'', which (x l + y m)^2 = rho a makes w'' / a. */
+typedef struct of_terms { long double first, second; } of_terms;
 
 static of_terms terms_at(const shape *s, long double rho)
 {
-    of_terms t = {0, 0, 0};
+    of_terms t = {0, 0};
     long double power = 1;
     for (int i = 0; i < s->terms; i++, power *= rho) {
         long double a = (i + 1) * (long double)s->a[i] * power;
-        t.first += fabsl(a), t.bend += 2 * (2 * i + 1) * fabsl(a), t.second += 2 * (2 * i + 1) * a;
+        t.first += fabsl(a), t.second += 2 * (2 * i + 1) * a;
     }
     return t;
 }
 
 static void at_least(const char *what, long double constant, long double meant, long double most)
 {
-    REQUIRE(constant >= meant * (1 - 0x1p-45L), "%s: %.17Lg, and it stands for %.17Lg", what, constant, meant);
+    REQUIRE(constant >= meant * (1 - 0x1p-45L), "%s: %.17Lg, and it stands for %.17Lg", what, constant,
+            meant);
     REQUIRE(constant <= meant * most, "%s: %.17Lg is far more than %.17Lg", what, constant, meant);
 }
 
@@ -49,21 +51,23 @@ static void check_surface(const shape *s, const wavy *v)
     const long double u = 0x1p-53L, D = v->disc, c = fabsl((long double)s->c), ck = fabsl((long double)s->ck),
                       chi = (long double)s->ck * s->c * D, F = terms_at(s, D).first, R = sqrtl(D),
                       on_sheet = fabsl(1 - sqrtl(1 - chi)), V = 1 + on_sheet, wide = 2 * F + c;
-    REQUIRE(D <= 1.125L * s->rim2 * (1 + 0x1p-50L) && fabsl(chi) <= 0.5L * (1 + 0x1p-45L), "D %Lg, chi %Lg", D, chi);
+    REQUIRE(D <= 1.125L * s->rim2 * (1 + 0x1p-50L), "D %Lg, beyond the rim", D);
+    REQUIRE(fabsl(chi) <= 0.5L * (1 + 0x1p-45L), "chi %Lg", chi);
     REQUIRE(F <= c / 8 * (1 + 0x1p-30L), "F %Lg, c %Lg", F, c);
     at_least("2 F + |c|", v->wide, wide, 1.0001L);
     if (s->ck != 0) at_least("kappa", v->kappa, on_sheet, 1.35L);
     for (int i = 0; i < 20; i++) {
         /* A ray: N2 is the square where q sqrt a = |n| / 4. */
-        double along = i < 5 ? 0.25 / (double)(wide * R) : of_size(1e-3, 10), n = 1 / hypot(1, along), a = 1 - n * n;
+        double along = i < 5 ? 0.25 / (double)(wide * R) : of_size(1e-3, 10), n = 1 / hypot(1, along),
+               a = 1 - n * n;
         long double root_a = sqrtl(a), B = n + wide * R * root_a, N2 = v->n1 * (long double)a + 1.25L * n * n;
         at_least("N2", N2, B * B, i < 5 ? 1.0001L : 5);
         long double two_m = v->m1 * (long double)a + v->m2 * N2,
                     sum = 2 * ((c + (1.1L + on_sheet) * v->bend * F) * a + ck * N2);
         at_least("2 M", two_m, sum, 1.08L);
         /* G'' at a point of the edge, z on the surface: the ray goes outward there, or inward. */
-        long double out = i % 2 ? 1 : -1, w = chi == 0 ? s->c * D / 2 : (1 - sqrtl(1 - chi)) / s->ck, dp = 0,
-                    power = 1;
+        long double out = i % 2 ? 1 : -1, dp = 0, power = 1,
+                    w = chi == 0 ? s->c * D / 2 : (1 - sqrtl(1 - chi)) / s->ck;
         for (int j = 0; j < s->terms; j++, power *= D) dp += (j + 1) * (long double)s->a[j] * power;
         long double dw = n - 2 * dp * R * root_a * out, ddw = -terms_at(s, D).second * a,
                     G2 = ddw - (s->c * (long double)a + s->ck * (dw * dw + w * ddw));
@@ -71,10 +75,9 @@ static void check_surface(const shape *s, const wavy *v)
         /* e */
         double rho = (double)D * uniform(&drawn, 0, 1), rho0 = rho * uniform(&drawn, 0, 4), z = of_size(1e-3, 1),
                at_w = of_size(1e-3, 1);
-        long double e = v->q1 * (9.0L * rho + 2.0L * rho0) + v->q2 * (long double)fabs(z) + v->q3 * (long double)fabs(at_w),
-                    meant = 1.01L * u *
-                            (V * (F * (9.0L * rho + 2.0L * rho0) + fabs(z) + fabs(at_w)) +
-                             c / 2 * (9.0L * rho + 2.0L * rho0) + 3 * fabs(at_w) * V);
+        long double Q = 9.0L * rho + 2.0L * rho0, az = fabs(z), aw = fabs(at_w),
+                    e = v->q1 * Q + v->q2 * az + v->q3 * aw,
+                    meant = 1.01L * u * (V * (F * Q + az + aw) + c / 2 * Q + 3 * aw * V);
         at_least("e", e, meant, 1.08L);
         at_least("q1", v->q1, 1.01L * u * (V * F + c / 2), 1.08L);
         at_least("q2", v->q2, 1.01L * u * V, 1.08L), at_least("q3", v->q3, 4.04L * u * V, 1.08L);
@@ -89,8 +92,10 @@ static void constants_are_what_they_stand_for(void **unused)
     drawn = seeded("disc");
     long count = scaled(20000), discs = 0, rims = 0;
     for (long i = 0; i < count; i++) {
-        double unit = exp2(uniform(&drawn, -20, 20)), c = of_size(0.001, 1) / unit, r = unit * fabs(of_size(0.3, 30)),
-               k = uniform(&drawn, 0, 1) < 0.2 ? -1 : uniform(&drawn, -3, 2), a[8] = {0}, r2 = r * r, power = r2;
+        double unit = exp2(uniform(&drawn, -20, 20)), c = of_size(0.001, 1) / unit,
+               r = unit * fabs(of_size(0.3, 30)),
+               k = uniform(&drawn, 0, 1) < 0.2 ? -1 : uniform(&drawn, -3, 2), a[8] = {0}, r2 = r * r,
+               power = r2;
         int terms = 1 + (int)uniform(&drawn, 0, 7.99);
         a[0] = uniform(&drawn, 0, 1) < 0.7 ? 0 : 0.1 * c * uniform(&drawn, -1, 1);
         for (int j = 1; j < terms; j++, power *= r2) a[j] = of_size(1e-6, 1) * c / power;

@@ -399,10 +399,11 @@ SGT_INLINE mask lane_bound(const wavy *self, int terms, bool some, const sgt_til
     return any;
 }
 
-#define LANES_BOUND(name, terms, some)                                                                        \
-    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t begin, size_t end) \
-    {                                                                                                         \
-        return lane_bound(s, terms, some, tile, room, begin, end);                                            \
+#define LANES_BOUND(name, terms, some)                                                                \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t begin,   \
+                                size_t end)                                                           \
+    {                                                                                                 \
+        return lane_bound(s, terms, some, tile, room, begin, end);                                    \
     }
 
 LANES_BOUND(asphere_lanes_few_bound, FEW_TERMS, false)
@@ -494,7 +495,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             const sgt_ray ray = lane_ray_of(&rows, i);
             const double tau1 = room->from[i];
             wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], tau1, &ray);
-            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse, room->dw[i] = h.dw;
+            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse,
+            room->dw[i] = h.dw;
             near |= wavy_within(s, room->x[i], room->y[i], tau1, &ray);
         }
         if (near) {
@@ -522,7 +524,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             if (every) break;
             any = lane_bounds(self, terms, tile, room);
         } else
-            any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0, count);
+            any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0,
+                                                                                          count);
         if (!any || rounds == ROUNDS) break;
         /* Rays that are done take another round too, with the same result. */
         for (size_t i = 0; i < count; i++) {

@@ -639,7 +639,8 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
-    if (one_loop(tile)) return (rich ? conic_lanes_near_at_once_rich : conic_lanes_near_at_once)(s, tile, room);
+    if (one_loop(tile))
+        return (rich ? conic_lanes_near_at_once_rich : conic_lanes_near_at_once)(s, tile, room);
     if (fine) return conic_lanes_near_fine(s, tile, room);
     return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }

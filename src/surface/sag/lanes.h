@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 /* sag/lanes.h - a tile of rays met quickly: what conic and asphere share.
  *
- * A tile is met in two loops.  The first goes from the ray to its root near the vertex plane.  The second
- * goes from there to the point and the gradient, and decides whether the root is accepted.  Between the
- * loops a ray is a `near_root`, in arrays that stay in the first-level cache.
+ * A tile is met in a few loops.  The first goes from the ray to the vertex plane, others from there to its
+ * root.  The last goes to the point and the gradient, and decides whether the root is accepted.  Between
+ * the loops a ray is a `near_root`, in arrays that stay in the first-level cache.
  *
- * One loop would do.  But a square root, three quotients and what lies between them are a chain of more
- * than a hundred cycles.  That is as far as a processor can look ahead.  With two loops it works on the
- * chains of several rays at once (docs/data/batches.md). */
+ * One loop would do.  But a square root, three quotients and what lies between them are a chain of some 150
+ * cycles.  A processor looks some 300 instructions ahead, and one loop has 130 for a register of rays: it
+ * would wait. With loops of shorter chains it works on several registers of rays at once.  A conic takes 76
+ * cycles for four rays in one loop and 57 in three; a plane, whose chain is short, 28 in one and 25 in two,
+ * and that is less in fact (llvm-mca, Zen 3, AVX2).  From memory one loop is faster: it reads and writes
+ * while it computes (`far` of sgt_tile; docs/data/batches.md).
+ *
+ * NaN is written for rays that are not met, and only in tiles that have such a ray (lane_unmet). */
 #ifndef SGT_SURFACE_SAG_LANES_H
 #define SGT_SURFACE_SAG_LANES_H
 
@@ -109,7 +114,8 @@ SGT_INLINE lane lane_any(const near_root *r, const sgt_ray *ray, double t_tol, b
     }
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & between & MASK(r2 <= rim2)
                & (MASK(at + r->t_err > LEAST_PLACE) | apart);
-    lane e = {.hit = hit, .t = r->t, .t_err = r->t_err, .px = px, .py = py, .pz = pz, .nx = px * g, .ny = py * g};
+    lane e = {.hit = hit, .t = r->t,  .t_err = r->t_err, .px = px,
+              .py = py,   .pz = pz,   .nx = px * g,      .ny = py * g};
     e.t_lo = two_sum(r->t0, r->small).lo;
     double length = fabs(l) + fabs(m) + fabs(n),
            place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
@@ -167,7 +173,7 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
  * too. */
 typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
 
-/* Stores whatever a lane has, without a look at hit: lane_unmet follows where a ray of the tile is not met. */
+/* Stores whatever a lane has, without a look at hit: lane_unmet follows if a ray of the tile is not met. */
 #define LANE_STORE_ALL(to, i, e, wish)                                         \
     do {                                                                       \
         (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;         \
