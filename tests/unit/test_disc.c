@@ -73,7 +73,8 @@ static void check_surface(const shape *s, const wavy *v)
                     G2 = ddw - (s->c * (long double)a + s->ck * (dw * dw + w * ddw));
         REQUIRE(two_m >= 2 * fabsl(G2) * (1 - 0x1p-40L), "M %Lg, G'' %Lg", two_m / 2, G2);
         /* e */
-        double rho = (double)D * uniform(&drawn, 0, 1), rho0 = rho * uniform(&drawn, 0, 4), z = of_size(1e-3, 1),
+        double rho = (double)D * uniform(&drawn, 0, 1), rho0 = rho * uniform(&drawn, 0, 4),
+               z = of_size(1e-3, 1),
                at_w = of_size(1e-3, 1);
         long double Q = 9.0L * rho + 2.0L * rho0, az = fabs(z), aw = fabs(at_w),
                     e = v->q1 * Q + v->q2 * az + v->q3 * aw,

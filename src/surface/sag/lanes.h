@@ -7,10 +7,10 @@
  *
  * One loop would do.  But a square root, three quotients and what lies between them are a chain of some 150
  * cycles.  A processor looks some 300 instructions ahead, and one loop has 130 for a register of rays: it
- * would wait. With loops of shorter chains it works on several registers of rays at once.  A conic takes 76
- * cycles for four rays in one loop and 57 in three; a plane, whose chain is short, 28 in one and 25 in two,
- * and that is less in fact (llvm-mca, Zen 3, AVX2).  From memory one loop is faster: it reads and writes
- * while it computes (`far` of sgt_tile; docs/data/batches.md).
+ * would wait.  With loops of shorter chains it works on several registers of rays at once.  A conic takes 76
+ * cycles for four rays in one loop and 57 in three (llvm-mca, Zen 3, AVX2).  The chain of a plane is short.
+ * From memory one loop is faster: it reads and writes while it computes (`far` of sgt_tile;
+ * docs/data/batches.md).
  *
  * NaN is written for rays that are not met, and only in tiles that have such a ray (lane_unmet). */
 #ifndef SGT_SURFACE_SAG_LANES_H
