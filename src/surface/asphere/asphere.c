@@ -307,10 +307,10 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
 }
 
 SGT_KERNEL
-static void asphere_lanes_unmet(const lane_to *to, size_t count) { lane_unmet(to, false, count); }
+static void asphere_unmet(const lane_to *to, size_t count) { lane_unmet(to, false, count); }
 
 SGT_KERNEL
-static void asphere_lanes_unmet_rich(const lane_to *to, size_t count) { lane_unmet(to, true, count); }
+static void asphere_unmet_rich(const lane_to *to, size_t count) { lane_unmet(to, true, count); }
 
 /* The last loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
 SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool vertex, const sgt_tile *tile,
@@ -332,7 +332,7 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
         LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }
-    if (!all) (wish >= LANE_FINE ? asphere_lanes_unmet_rich : asphere_lanes_unmet)(&to, count);
+    if (!all) (wish >= LANE_FINE ? asphere_unmet_rich : asphere_unmet)(&to, count);
     return all;
 }
 
@@ -465,29 +465,13 @@ SGT_INLINE mask lane_begin(const wavy *self, int terms, bool first, bool at_once
     return odd;
 }
 
-SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
-                             wavy_room *room)
+/* The rounds from the seeds.  Returns how many; extra[i]: how many more than one ray i takes, if any does. */
+SGT_INLINE int lane_rounds(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room, int extra[])
 {
     const sgt_rays rows = tile->rays;
-    const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
+    const wavy own = *self, *s = &own;
     size_t count = tile->n;
-    const mask odd = tile->far ? lane_begin(self, terms, first, true, tile, room)
-                               : lane_begin(self, terms, first, false, tile, room);
-    if (odd)
-        LANES for (size_t i = 0; i < count; i++)
-        {
-            const sgt_ray ray = lane_ray_of(&rows, i);
-            room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
-        }
-    if (odd && s->side) without_grazing(self, terms, tile, room);
-    size_t begun = 0;
-    while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
-    if (begun == count) { /* no ray: they come from the side, say */
-        for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
-        lane_nothing(tile);
-        return lane_told(tile, &room->ends, 4, 0);
-    }
-    int extra[SGT_TILE], rounds = 1;
+    int rounds = 1;
     for (;; rounds++) {
         mask near = 0, any = 0;
         _Pragma("omp simd reduction(| : near)") for (size_t i = 0; i < count; i++)
@@ -533,6 +517,59 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
+    return rounds;
+}
+
+SGT_KERNEL
+static int asphere_lanes_few_rounds(const wavy *s, const sgt_tile *tile, wavy_room *room, int extra[])
+{
+    return lane_rounds(s, FEW_TERMS, tile, room, extra);
+}
+SGT_KERNEL
+static int asphere_lanes_all_rounds(const wavy *s, const sgt_tile *tile, wavy_room *room, int extra[])
+{
+    return lane_rounds(s, ALL_TERMS, tile, room, extra);
+}
+
+#define LANES_BEGIN(name, terms, first)                                                              \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room)                \
+    {                                                                                                \
+        return tile->far ? lane_begin(s, terms, first, true, tile, room)                             \
+                         : lane_begin(s, terms, first, false, tile, room);                           \
+    }
+
+LANES_BEGIN(asphere_lanes_few_begin_near, FEW_TERMS, false)
+LANES_BEGIN(asphere_lanes_few_begin_first, FEW_TERMS, true)
+LANES_BEGIN(asphere_lanes_all_begin_near, ALL_TERMS, false)
+LANES_BEGIN(asphere_lanes_all_begin_first, ALL_TERMS, true)
+
+SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
+                             wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
+    size_t count = tile->n;
+    const mask odd =
+        terms > FEW_TERMS
+            ? (first ? asphere_lanes_all_begin_first : asphere_lanes_all_begin_near)(self, tile, room)
+            : (first ? asphere_lanes_few_begin_first : asphere_lanes_few_begin_near)(self, tile, room);
+    if (odd)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
+        }
+    if (odd && s->side) without_grazing(self, terms, tile, room);
+    size_t begun = 0;
+    while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
+    if (begun == count) { /* no ray: they come from the side, say */
+        for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
+        lane_nothing(tile);
+        return lane_told(tile, &room->ends, 4, 0);
+    }
+    int extra[SGT_TILE];
+    const int rounds = (terms > FEW_TERMS ? asphere_lanes_all_rounds : asphere_lanes_few_rounds)(
+        self, tile, room, extra);
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++)
         vertex |= at_vertex(room->x[i], room->y[i], tile->rays.o[2][i]);
