@@ -10,7 +10,9 @@
  *     e       the sum of the head, for rho, rho0, z, w of rays of the disc
  *     first   the square of the slope at the edge
  *
- * And none of them is much greater: t_err would be. */
+ * And none of them is much greater: t_err would be.
+ *
+ * Then batches that are long enough for the loops from memory, against their parts. */
 #include "unit.h"
 
 #pragma GCC diagnostic ignored "-Wshadow" /* unit.h has a type `wide` */
@@ -115,8 +117,54 @@ static void constants_are_what_they_stand_for(void **unused)
     REQUIRE((double)discs > 0.5 * (double)count, "only %ld of %ld have a disc", discs, count);
 }
 
+/* A batch from memory has other loops (`far` of sgt_tile): the same bits as in parts. */
+enum { MANY = SGT_FAR + 130, ROWS = 10, PART = 1000 };
+
+static sgt_hits hits_at(double rows[ROWS][MANY], sgt_status *status, size_t i, bool all)
+{
+    sgt_hits h = {.status = status + i, .t = rows[0] + i, .t_err = rows[1] + i};
+    for (int k = 0; k < 3; k++) h.p[k] = rows[2 + k] + i, h.n[k] = rows[5 + k] + i;
+    if (all) h.t_lo = rows[8] + i, h.p_err = rows[9] + i;
+    return h;
+}
+
+static void a_long_batch_is_its_parts(void **unused)
+{
+    (void)unused;
+    static double o[3][MANY], d[3][MANY], whole[ROWS][MANY], parts[ROWS][MANY];
+    static sgt_status status[2][MANY];
+    const sgt_conic plane = {.semi_diameter = 4}, conic = {.c = 0.1, .k = -0.6, .semi_diameter = 4};
+    const sgt_even_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+    const sgt_surface of[] = {{&sgt_conic_ops, &plane}, {&sgt_conic_ops, &conic},
+                              {&sgt_even_asphere_ops, &asphere}};
+    drawn = seeded("long batch");
+    for (size_t i = 0; i < MANY; i++) { /* some go past the rim */
+        for (int k = 0; k < 2; k++)
+            o[k][i] = uniform(&drawn, -3.2, 3.2), d[k][i] = uniform(&drawn, -0.2, 0.2);
+        o[2][i] = -5, d[2][i] = 1;
+    }
+    for (size_t j = 0; j < COUNT_OF(of) * 4; j++) {
+        const sgt_options near = {.pick = j & 1 ? SGT_NEAR_SEED : SGT_FIRST};
+        const bool all = j & 2;
+        const sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, NULL, NULL};
+        sgt_intersect_batch(of[j / 4], MANY, rays, hits_at(whole, status[0], 0, all), &near);
+        for (size_t i = 0; i < MANY; i += PART) {
+            const size_t n = MANY - i < PART ? MANY - i : PART;
+            const sgt_rays part = rays_from(&rays, i);
+            sgt_intersect_batch(of[j / 4], n, part, hits_at(parts, status[1], i, all), &near);
+        }
+        REQUIRE(memcmp(status[0], status[1], sizeof status[0]) == 0, "case %zu: status", j);
+        for (int k = 0; k < (all ? ROWS : 8); k++)
+            for (size_t i = 0; i < MANY; i++)
+                REQUIRE(memcmp(&whole[k][i], &parts[k][i], sizeof(double)) == 0 ||
+                            (isnan(whole[k][i]) && isnan(parts[k][i])),
+                        "case %zu, row %d, ray %zu: %a, in parts %a", j, k, i, whole[k][i], parts[k][i]);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(constants_are_what_they_stand_for)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(constants_are_what_they_stand_for),
+                                       cmocka_unit_test(a_long_batch_is_its_parts)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
