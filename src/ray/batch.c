@@ -245,7 +245,7 @@ SGT_NOINLINE static size_t by_tiles(sgt_surface s, size_t n, const sgt_rays *ray
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(hits, i),
-                         .rays = rays_from(rays, i), .memo = &known};
+                         .rays = rays_from(rays, i), .memo = &known, .far = n > SGT_FAR};
         tile.rays.tmin = rays->tmin ? rays->tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays->tmax) given_ends(tile.n, rays->tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;

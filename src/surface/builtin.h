@@ -23,11 +23,12 @@
 /* A tile: some consecutive rays of a batch.  n is at most SGT_TILE, or the surface's own `tile`.  Each
  * array starts at the first ray of the tile.  No array of `rays` is NULL, and tmax is explicit.  Of `hits`
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
-enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1 };
+enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_NOT_UNIQUE = 1, SGT_FAR = 16384 };
 #define SGT_HARD ((sgt_status)-100)
 /* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called.
  * slopes: the same, but of all tiles of a trace; NULL: nothing is kept for them.
- * whole: each ray is known to be a whole line, with the ends -inf and inf, and each t_tol to be finite. */
+ * whole: each ray is known to be a whole line, with the ends -inf and inf, and each t_tol to be finite.
+ * far: the arrays of the batch are too long for the second cache; only the time depends on it. */
 struct memo;
 struct slopes;
 typedef struct sgt_tile {
@@ -37,7 +38,7 @@ typedef struct sgt_tile {
     sgt_hits hits;
     struct memo *memo;
     struct slopes *slopes;
-    bool whole;
+    bool whole, far;
 } sgt_tile;
 
 /* One ray as a batch of one. */

@@ -25,7 +25,7 @@ LEAST, LEAST_SHORT, SHORT = {'v3': 0.25, 'v4': 0.125}, 0.1, 72
 NEEDED = {
     r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
     r'conic_lanes_plane(?!_leave)\w*': {'div', 'fma'},
-    r'asphere_lanes\w*': {'div', 'fma'},
+    r'asphere_lanes(?!_\w*_bound)\w*': {'div', 'fma'},
     r'(look|meet)_\w*(julia|mandelbrot)': {'mul', 'add', 'cmp'},
     r'(march_all|meetings_(step|certify|take))': {'mul', 'div', 'cmp'},
     r'newton_step\w*': {'mul', 'sub', 'cmp'},

@@ -69,7 +69,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
 {
     const double t_tol = w->opt->t_tol / scale;
     double g, slope;
-    wavy_start r = wavy_begin(s, ALL_TERMS, ray, &g, &slope);
+    const vertex_place vertex = to_vertex_plane(ray);
+    wavy_start r = wavy_begin(s, ALL_TERMS, &vertex, ray, &g, &slope);
     wavy_round q = {.tau = r.tau, .again = MASK(true)};
     wavy_newton half = {.inverse = 0};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
@@ -79,13 +80,14 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
-        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, ray, t_tol);
+        q = wavy_bound_either(s, ALL_TERMS, &r, &half, ray, t_tol);
         observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    const lane end = wavy_end_any(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    *e = lane_if_met(&end);
     if (!e->hit) {
         bool misses = wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ||
                       (q.tau == q.tau && asphere_leaves_it(s, h, ray));
@@ -93,7 +95,8 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
     }
     bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
     if (!is_first)
-        is_first = wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
+        is_first = (s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) ||
+                   wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
                    is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, half.inverse}, ray);
     return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
                ? EASY_HIT
@@ -120,7 +123,7 @@ typedef struct wavy_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
         v[SGT_TILE], near[SGT_TILE];
-    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
+    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE];
     mask again[SGT_TILE];
     lane_ends ends;
 } wavy_room;
@@ -148,13 +151,23 @@ SGT_INLINE bool all_first(const wavy *s, int terms, const sgt_tile *tile, wavy_r
     const sgt_rays rows = tile->rays;
     size_t count = tile->n;
     mask every = MASK(true);
-    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
-    {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        mask is = wavy_single(s, ray.d.x, ray.d.y, ray.d.z) | ~room->ends.hit[i];
-        room->again[i] = is;
-        every &= is;
-    }
+    if (s->single < HUGE_VAL || !(s->disc > 0))
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            mask is = wavy_single(s, ray.d.x, ray.d.y, ray.d.z) | ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
+    else
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            mask is = wavy_first_within(s, room->t0[i], room->x[i], room->y[i], room->tau[i], &ray) |
+                      ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
     if (every) return true;
     every = MASK(true);
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
@@ -293,7 +306,13 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
     return hard;
 }
 
-/* The second loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
+SGT_KERNEL
+static void asphere_unmet(const lane_to *to, size_t count) { lane_unmet(to, false, count); }
+
+SGT_KERNEL
+static void asphere_unmet_rich(const lane_to *to, size_t count) { lane_unmet(to, true, count); }
+
+/* The last loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
 SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
@@ -301,7 +320,7 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     const double *t_tol = tile->t_tol;
     size_t count = tile->n;
     const bool whole = wish == LANE_BARE;
-    lane_to to = lane_to_of(tile, &room->ends);
+    const lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
@@ -309,10 +328,11 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
             wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
         mask exact = vertex ? at_vertex(r.x, r.y, ray.o.z) : 0;
         const wavy_round q = {.v = room->v[i], .near = room->near[i]};
-        lane e = wavy_end(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
-        LANE_STORE(to, i, e, wish);
+        lane e = wavy_end_any(s, terms, &r, &q, exact, &ray, t_tol[i], whole);
+        LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }
+    if (!all) (wish >= LANE_FINE ? asphere_unmet_rich : asphere_unmet)(&to, count);
     return all;
 }
 
@@ -352,50 +372,149 @@ SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_til
     (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
 }
 
-SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
-                             wavy_room *room)
+/* THE BOUND of easy.h for the rays from `begin` to `end`; some: but for those that have one by constants
+ * (again[i]).  Then again[i]: another round may succeed.  Returns all bits set if it is any. */
+SGT_INLINE mask lane_bound(const wavy *self, int terms, bool some, const sgt_tile *tile, wavy_room *room,
+                           size_t begin, size_t end)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
-    const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
-    size_t count = tile->n;
-    mask some = 0;
-    _Pragma("omp simd reduction(| : some)") for (size_t i = 0; i < count; i++) {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        double g, slope;
-        wavy_start r = wavy_begin(s, terms, &ray, &g, &slope);
-        if (first) r.tau = chosen(wavy_hopeless(s, &ray), (double)NAN, r.tau);
-        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
-        room->from[i] = r.tau;
-        if (first) some |= wavy_along(&ray);
-    }
-    if (first && s->side && some) without_grazing(self, terms, tile, room);
-    size_t begun = 0;
-    while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
-    if (begun == count) { /* no ray: they come from the side, say */
-        for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
-        lane_nothing(tile);
-        return lane_told(tile, &room->ends, 4, 0);
-    }
-    int extra[SGT_TILE], rounds = 1;
+    const wavy own = *self, *s = &own;
     mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = begin; i < end; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = room->x[i], y = room->y[i];
+        const wavy_newton h = {.tau2 = room->tau2[i],
+                               .step2 = room->step2[i],
+                               .inverse = room->inverse[i],
+                               .dw = room->dw[i],
+                               .slant = wavy_slant(x, y, room->from[i], &ray)};
+        wavy_round q = wavy_bound(s, terms, x, y, room->t0[i], &h, &ray, t_tol[i]);
+        if (some) {
+            const mask had = room->again[i];
+            q.again &= ~had;
+            q.tau = chosen(had, room->tau[i], q.tau), q.tau_err = chosen(had, room->tau_err[i], q.tau_err);
+            q.v = chosen(had, room->v[i], q.v), q.near = chosen(had, room->near[i], q.near);
+        }
+        room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
+        room->again[i] = q.again;
+        any |= q.again;
+    }
+    return any;
+}
+
+#define LANES_BOUND(name, terms, some)                                                                \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room, size_t begin,   \
+                                size_t end)                                                           \
+    {                                                                                                 \
+        return lane_bound(s, terms, some, tile, room, begin, end);                                    \
+    }
+
+LANES_BOUND(asphere_lanes_few_bound, FEW_TERMS, false)
+LANES_BOUND(asphere_lanes_few_bound_some, FEW_TERMS, true)
+LANES_BOUND(asphere_lanes_all_bound, ALL_TERMS, false)
+LANES_BOUND(asphere_lanes_all_bound_some, ALL_TERMS, true)
+
+/* The same of a whole tile, for the parts of it in which some ray has no bound by constants. */
+SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    enum { PART = 16 };
+    mask any = 0;
+    size_t from = 0;
+    for (size_t i = 0; i < tile->n; i += PART) {
+        const size_t end = i + PART < tile->n ? i + PART : tile->n;
+        mask had = MASK(true);
+        for (size_t j = i; j < end; j++) had &= room->again[j];
+        if (had) memset(room->again + i, 0, (end - i) * sizeof had);
+        if (had || end == tile->n) {
+            const size_t to = had ? i : end;
+            if (from < to)
+                any |= (terms > FEW_TERMS ? asphere_lanes_all_bound_some : asphere_lanes_few_bound_some)(
+                    s, tile, room, from, to);
+            from = end;
+        }
+    }
+    return any;
+}
+
+/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or wavy_grazes may have
+ * something to say. */
+SGT_INLINE mask lane_begin(const wavy *self, int terms, bool first, bool at_once, const sgt_tile *tile,
+                           wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    mask odd = 0;
+    if (!at_once)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            const vertex_place at = to_vertex_plane(&ray);
+            room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
+        }
+    _Pragma("omp simd reduction(| : odd)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        vertex_place at;
+        double g, slope;
+        if (at_once) {
+            at = to_vertex_plane(&ray);
+            room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->t0_lo[i] = at.t0_lo;
+        } else
+            at = (vertex_place){.x = room->x[i], .y = room->y[i]};
+        room->from[i] = wavy_begin(s, terms, &at, &ray, &g, &slope).tau;
+        if (first) odd |= wavy_along(&ray) | MASK(ray.tmin == -HUGE_VAL);
+    }
+    return odd;
+}
+
+/* The rounds from the seeds.  Returns how many; extra[i]: how many more than one ray i takes, if any does. */
+SGT_INLINE int lane_rounds(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room, int extra[])
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    int rounds = 1;
     for (;; rounds++) {
-        any = 0;
-        LANES for (size_t i = 0; i < count; i++) {
+        mask near = 0, any = 0;
+        _Pragma("omp simd reduction(| : near)") for (size_t i = 0; i < count; i++)
+        {
             const sgt_ray ray = lane_ray_of(&rows, i);
-            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], &ray);
+            const double tau1 = room->from[i];
+            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], tau1, &ray);
             room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse,
-            room->dw[i] = h.dw, room->slant[i] = h.slant;
+            room->dw[i] = h.dw;
+            near |= wavy_within(s, room->x[i], room->y[i], tau1, &ray);
         }
-        _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
-            const sgt_ray ray = lane_ray_of(&rows, i);
-            wavy_newton h = {
-                room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, &ray, t_tol[i]);
-            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
-            room->again[i] = q.again;
-            any |= q.again;
-        }
+        if (near) {
+            LANES for (size_t i = 0; i < count; i++)
+            {
+                const sgt_ray ray = lane_ray_of(&rows, i);
+                wavy_second at = wavy_second_of(s, terms, room->x[i], room->y[i], room->tau2[i], &ray);
+                room->near[i] = at.rho, room->v[i] = at.w, room->tau[i] = at.g;
+            }
+            mask every = MASK(true);
+            _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++)
+            {
+                const sgt_ray ray = lane_ray_of(&rows, i);
+                const wavy_newton h = {.tau2 = room->tau2[i],
+                                       .step2 = room->step2[i],
+                                       .inverse = room->inverse[i],
+                                       .dw = room->dw[i]};
+                const wavy_second at = {room->near[i], room->v[i], room->tau[i]};
+                wavy_round q = wavy_bound_within(s, room->x[i], room->y[i], room->t0[i], &h, &at, &ray);
+                const mask is = MASK(q.tau_err == q.tau_err);
+                room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
+                room->again[i] = is;
+                every &= is;
+            }
+            if (every) break;
+            any = lane_bounds(self, terms, tile, room);
+        } else
+            any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0,
+                                                                                          count);
         if (!any || rounds == ROUNDS) break;
         /* Rays that are done take another round too, with the same result. */
         for (size_t i = 0; i < count; i++) {
@@ -403,6 +522,59 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
+    return rounds;
+}
+
+SGT_KERNEL
+static int asphere_lanes_few_rounds(const wavy *s, const sgt_tile *tile, wavy_room *room, int extra[])
+{
+    return lane_rounds(s, FEW_TERMS, tile, room, extra);
+}
+SGT_KERNEL
+static int asphere_lanes_all_rounds(const wavy *s, const sgt_tile *tile, wavy_room *room, int extra[])
+{
+    return lane_rounds(s, ALL_TERMS, tile, room, extra);
+}
+
+#define LANES_BEGIN(name, terms, first)                                                              \
+    SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room)                \
+    {                                                                                                \
+        return tile->far ? lane_begin(s, terms, first, true, tile, room)                             \
+                         : lane_begin(s, terms, first, false, tile, room);                           \
+    }
+
+LANES_BEGIN(asphere_lanes_few_begin_near, FEW_TERMS, false)
+LANES_BEGIN(asphere_lanes_few_begin_first, FEW_TERMS, true)
+LANES_BEGIN(asphere_lanes_all_begin_near, ALL_TERMS, false)
+LANES_BEGIN(asphere_lanes_all_begin_first, ALL_TERMS, true)
+
+SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish wish, const sgt_tile *tile,
+                             wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
+    size_t count = tile->n;
+    const mask odd =
+        terms > FEW_TERMS
+            ? (first ? asphere_lanes_all_begin_first : asphere_lanes_all_begin_near)(self, tile, room)
+            : (first ? asphere_lanes_few_begin_first : asphere_lanes_few_begin_near)(self, tile, room);
+    if (odd)
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
+        }
+    if (odd && s->side) without_grazing(self, terms, tile, room);
+    size_t begun = 0;
+    while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
+    if (begun == count) { /* no ray: they come from the side, say */
+        for (size_t i = 0; i < count; i++) room->tau[i] = (double)NAN, room->ends.hit[i] = 0;
+        lane_nothing(tile);
+        return lane_told(tile, &room->ends, 4, 0);
+    }
+    int extra[SGT_TILE];
+    const int rounds = (terms > FEW_TERMS ? asphere_lanes_all_rounds : asphere_lanes_few_rounds)(
+        self, tile, room, extra);
     mask all = lane_ending(s, terms, wish, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++)
         vertex |= at_vertex(room->x[i], room->y[i], tile->rays.o[2][i]);
@@ -550,7 +722,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     lane e;
     WENT(WAY_ROUNDS);
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
-    if (tried) v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
+    if (tried) wavy_constants(&h, &v), v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
     easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
     const bool grazes = is == EASY_GRAZES;
     if (grazes) is = EASY_NOT;
@@ -749,6 +921,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
+            wavy_constants(&h, &v);
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             const sgt_rays rows = tile->rays;
             const sgt_ray ray = lane_ray_of(&rows, 0);

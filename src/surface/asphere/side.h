@@ -523,7 +523,7 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
            pz = sgt_fma(at->tau, n, q->z);
     mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
                  is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
-    lane e = lane_of(&r, ray, t_tol, false, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
+    lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
                          MASK(fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y))) <= 12 * fabs(pz)));
     e.p_err += 2.1 * SGT_U * fabs(q->z);

@@ -94,10 +94,10 @@ typedef struct bowl_terms {
     double a, n2, A, Aa, B, C, D, size;
 } bowl_terms;
 
-SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
+SGT_INLINE bowl_terms bowl_terms_at(const bowl *s, vertex_place at, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    bowl_terms g = {.at = to_vertex_plane(ray), .a = l * l + m * m, .n2 = n * n};
+    bowl_terms g = {.at = at, .a = l * l + m * m, .n2 = n * n};
     double x = g.at.x, y = g.at.y, xl = x * l, ym = y * m,
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     g.A = s->c * sgt_fma(s->k1, g.n2, g.a), g.B = sgt_fma(-s->c, xl + ym, n), g.C = s->c * (x * x + y * y);
@@ -106,13 +106,19 @@ SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
     return g;
 }
 
+SGT_INLINE bowl_terms bowl_terms_of(const bowl *s, const sgt_ray *ray)
+{
+    return bowl_terms_at(s, to_vertex_plane(ray), ray);
+}
+
 /* With D <= 16 n^2 it leaves n^2 > 2^-196. */
 static const double LEAST_D4 = 0x1p-190;
 
 /* D4: sums, because products are the most frequent operation here. */
-SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
+SGT_INLINE near_root easy_start_at(const bowl *s, bool first, bool proof, vertex_place at,
+                                   const sgt_ray *ray)
 {
-    const bowl_terms g = bowl_terms_of(s, ray);
+    const bowl_terms g = bowl_terms_at(s, at, ray);
     double D4 = (g.D + g.D) + (g.D + g.D);
     double S = sqrt(g.D), b = g.B + copysign(S, g.B), tau = g.C / b, small = g.at.t0_lo + tau,
            t = g.at.t0 + small, reach = fabs(t) + fabs(small);
@@ -134,6 +140,11 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt
                        .small = small};
 }
 
+SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, const sgt_ray *ray)
+{
+    return easy_start_at(s, first, proof, to_vertex_plane(ray), ray);
+}
+
 /* May easy_start give a root near the vertex, which is the first one unless far_gone?  If not, its t_err is
  * NaN. */
 SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
@@ -144,12 +155,18 @@ SGT_INLINE mask easy_tries(const bowl *s, mask far_gone, const sgt_ray *ray)
            (far_gone | MASK(copysign(1, g.B) * g.A > 0x1p-40 * g.Aa));
 }
 
-SGT_INLINE lane easy_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
+SGT_INLINE lane easy_end_any(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
 {
     const double n = ray->d.z;
     double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, ray, t_tol, whole, &(lane_end){pz, g, fabs(r->tau)}, s->rim2, MASK(false),
-                   MASK(fabs(w) < 1 - 0x1p-8));
+    return lane_any(r, ray, t_tol, whole, &(lane_end){pz, g, fabs(r->tau)}, s->rim2, MASK(false),
+                    MASK(fabs(w) < 1 - 0x1p-8));
+}
+
+SGT_INLINE lane easy_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol)
+{
+    const lane e = easy_end_any(s, r, ray, t_tol, false);
+    return lane_if_met(&e);
 }
 
 /* True if t0 + tau is certainly not accepted.  Its point is (x, y, 0) + tau d. */
@@ -238,9 +255,15 @@ SGT_INLINE near_root plane_start(const bowl *s, bool proof, const sgt_ray *ray)
                        .t0 = t0, .small = t0_lo};
 }
 
-SGT_INLINE lane plane_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
+SGT_INLINE lane plane_end_any(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol, bool whole)
 {
-    return lane_of(r, ray, t_tol, whole, &(lane_end){0, 0, 0}, s->rim2, MASK(false), MASK(true));
+    return lane_any(r, ray, t_tol, whole, &(lane_end){0, 0, 0}, s->rim2, MASK(false), MASK(true));
+}
+
+SGT_INLINE lane plane_end(const bowl *s, const near_root *r, const sgt_ray *ray, double t_tol)
+{
+    const lane e = plane_end_any(s, r, ray, t_tol, false);
+    return lane_if_met(&e);
 }
 
 /* AWAY for a plane.  It has one root, which is the start itself if the ray begins on it. */
@@ -261,13 +284,13 @@ SGT_INLINE lane plane_at_start(const bowl *s, const sgt_ray *ray, double t_tol)
 {
     const double oz = ray->o.z;
     near_root r = plane_start(s, true, ray);
-    return lane_of(&r, ray, t_tol, false, &(lane_end){0, 0, 0}, s->rim2, MASK(oz == 0), MASK(true));
+    return lane_of(&r, ray, t_tol, &(lane_end){0, 0, 0}, s->rim2, MASK(oz == 0), MASK(true));
 }
 
 SGT_INLINE bool easy_at(const bowl *s, bool first, const sgt_ray *ray, double t_tol, lane *e)
 {
     near_root r = s->c == 0 ? plane_start(s, s->proof, ray) : easy_start(s, first, s->proof, ray);
-    *e = s->c == 0 ? plane_end(s, &r, ray, t_tol, false) : easy_end(s, &r, ray, t_tol, false);
+    *e = s->c == 0 ? plane_end(s, &r, ray, t_tol) : easy_end(s, &r, ray, t_tol);
     return e->hit != 0;
 }
 
@@ -333,7 +356,7 @@ SGT_INLINE root_there nearby_root(const bowl *s, const near_root *at, const sgt_
 
 SGT_INLINE lane lane_of_root(const bowl *s, const root_there *r, const sgt_ray *ray, double t_tol)
 {
-    return lane_of(&r->at, ray, t_tol, false, &(lane_end){r->pz, -s->c / (1 - r->w), r->near}, s->rim2,
+    return lane_of(&r->at, ray, t_tol, &(lane_end){r->pz, -s->c / (1 - r->w), r->near}, s->rim2,
                    r->exact, r->also);
 }
 

@@ -14,33 +14,61 @@ typedef struct bowl_room {
     lane_ends ends;
 } bowl_room;
 
-SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, lane_wish wish,
-                            const sgt_tile *tile, bowl_room *room)
+SGT_KERNEL
+static void conic_lanes_unmet(const lane_to *to, size_t count) { lane_unmet(to, false, count); }
+
+SGT_KERNEL
+static void conic_lanes_unmet_rich(const lane_to *to, size_t count) { lane_unmet(to, true, count); }
+
+/* Of a conic in three loops, each with a short chain of operations (sag/lanes.h), or `at_once` in one. */
+SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool at_once,
+                            lane_wish wish, const sgt_tile *tile, bowl_room *room)
 {
     const sgt_rays rows = tile->rays;
     const double *t_tol = tile->t_tol;
     const bowl own = *self, *s = &own; /* a copy, so that no output can alias it */
     size_t count = tile->n;
     const bool whole = wish == LANE_BARE;
-    LANES for (size_t i = 0; i < count; i++) {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        near_root r = plane ? plane_start(s, proof, &ray) : easy_start(s, first, proof, &ray);
-        room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
-        if (wish >= LANE_FINE) room->t0[i] = r.t0, room->small[i] = r.small;
-        if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
+    if (!at_once) {
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            const vertex_place at = to_vertex_plane(&ray);
+            room->x[i] = at.x, room->y[i] = at.y, room->t0[i] = at.t0, room->small[i] = at.t0_lo;
+        }
+        LANES for (size_t i = 0; i < count; i++)
+        {
+            const sgt_ray ray = lane_ray_of(&rows, i);
+            const vertex_place at = {room->t0[i], room->small[i], room->x[i], room->y[i]};
+            near_root r = easy_start_at(s, first, proof, at, &ray);
+            room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
+            if (wish >= LANE_FINE) room->small[i] = r.small;
+            if (wish == LANE_RICH) room->tau_err[i] = r.tau_err;
+        }
     }
-    lane_to to = lane_to_of(tile, &room->ends);
+    const lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        near_root r = {
-            .x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
-        if (wish >= LANE_FINE) r.t0 = room->t0[i], r.small = room->small[i];
-        if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
-        lane e = plane ? plane_end(s, &r, &ray, t_tol[i], whole) : easy_end(s, &r, &ray, t_tol[i], whole);
-        LANE_STORE(to, i, e, wish);
+        near_root r;
+        if (at_once)
+            r = plane ? plane_start(s, proof, &ray) : easy_start(s, first, proof, &ray);
+        else {
+            r = (near_root){.x = room->x[i],
+                            .y = room->y[i],
+                            .tau = room->tau[i],
+                            .t = room->t[i],
+                            .t_err = room->t_err[i]};
+            if (wish >= LANE_FINE) r.t0 = room->t0[i], r.small = room->small[i];
+            if (wish == LANE_RICH) r.tau_err = room->tau_err[i];
+        }
+        lane e = plane ? plane_end_any(s, &r, &ray, t_tol[i], whole)
+                       : easy_end_any(s, &r, &ray, t_tol[i], whole);
+        LANE_STORE_ALL(to, i, e, wish);
         all &= e.hit;
     }
+    if (!all) (wish >= LANE_FINE ? conic_lanes_unmet_rich : conic_lanes_unmet)(&to, count);
     return lane_told(tile, &room->ends, 1, all);
 }
 
@@ -91,28 +119,32 @@ SGT_NARROW(void, sgt_conic_lanes_far,
     }
 }
 
-#define LANES_OF_BOWL(name, plane, first, proof, wish)                                          \
+#define LANES_OF_BOWL(name, plane, first, proof, at_once, wish)                                 \
     SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)         \
     {                                                                                           \
-        return lane_bowl(s, plane, first, proof, wish, tile, room);                             \
+        return lane_bowl(s, plane, first, proof, at_once, wish, tile, room);                    \
     }
 
-LANES_OF_BOWL(conic_lanes_plane_bare, true, false, false, LANE_BARE)
-LANES_OF_BOWL(conic_lanes_plane, true, false, false, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_plane_fine, true, false, false, LANE_FINE)
-LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_near_bare, false, false, false, LANE_BARE)
-LANES_OF_BOWL(conic_lanes_near, false, false, false, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_near_fine, false, false, false, LANE_FINE)
-LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_first, false, true, false, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, LANE_RICH)
-LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, LANE_PLAIN)
-LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_plane_bare, true, false, false, true, LANE_BARE)
+LANES_OF_BOWL(conic_lanes_plane, true, false, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_plane_fine, true, false, false, true, LANE_FINE)
+LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_bare, false, false, false, false, LANE_BARE)
+LANES_OF_BOWL(conic_lanes_near, false, false, false, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_fine, false, false, false, false, LANE_FINE)
+LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_near_at_once, false, false, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_near_at_once_rich, false, false, false, true, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first, false, true, false, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, false, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, false, LANE_RICH)
+LANES_OF_BOWL(conic_lanes_first_at_once, false, true, false, true, LANE_PLAIN)
+LANES_OF_BOWL(conic_lanes_first_at_once_rich, false, true, false, true, LANE_RICH)
 
 /* A root as the last loop finds it in the room: if t, point and gradient are all that is wanted.  A place in
  * t0 is pz, one in small is the end's `near`. */
@@ -228,7 +260,7 @@ SGT_INLINE void lane_sooner(const bowl *self, bool first, const sgt_tile *tile, 
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         near_root r = easy_start(s, false, false, &ray);
-        mask met = easy_end(s, &r, &ray, t_tol[i], false).hit;
+        mask met = easy_end(s, &r, &ray, t_tol[i]).hit;
         r.t_err = easy_start(s, false, true, &ray).t_err;
         met |= nearby(s, &r, &ray, t_tol[i]).hit;
         if (first) {
@@ -702,6 +734,10 @@ static bool begins_close(const bowl *s, const sgt_tile *tile)
     return t_err == t_err && fabs(z - sag) <= 0.625 * fabs(sag);
 }
 
+/* From memory one loop reads and writes while it computes; three would read first.  Of a few rays the loops
+ * cost more than the chains. */
+static bool one_loop(const sgt_tile *tile) { return tile->far || tile->n < 16; }
+
 /* Traces ask for near roots of whole lines, and for t_lo with paths: so there are loops for these alone. */
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
@@ -717,6 +753,8 @@ static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_ti
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
+    if (one_loop(tile))
+        return (rich ? conic_lanes_near_at_once_rich : conic_lanes_near_at_once)(s, tile, room);
     if (fine) return conic_lanes_near_fine(s, tile, room);
     return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }
@@ -728,6 +766,8 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
         return (rich ? sgt_conic_lanes_first_nearby_rich : sgt_conic_lanes_first_nearby)(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
+    if (one_loop(tile))
+        return (rich ? conic_lanes_first_at_once_rich : conic_lanes_first_at_once)(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 /* sag/lanes.h - a tile of rays met quickly: what conic and asphere share.
  *
- * A tile is met in two loops.  The first goes from the ray to its root near the vertex plane.  The second
- * goes from there to the point and the gradient, and decides whether the root is accepted.  Between the
- * loops a ray is a `near_root`, in arrays that stay in the first-level cache.
+ * A tile is met in a few loops.  The first goes from the ray to the vertex plane, others from there to its
+ * root.  The last goes to the point and the gradient, and decides whether the root is accepted.  Between
+ * the loops a ray is a `near_root`, in arrays that stay in the first-level cache.
  *
- * One loop would do.  But a square root, three quotients and what lies between them are a chain of more
- * than a hundred cycles.  That is as far as a processor can look ahead.  With two loops it works on the
- * chains of several rays at once (docs/data/batches.md). */
+ * One loop would do.  But a square root, three quotients and what lies between them are a chain of some 150
+ * cycles.  A processor looks some 300 instructions ahead, and one loop has 130 for a register of rays: it
+ * would wait.  With loops of shorter chains it works on several registers of rays at once.  A conic takes 76
+ * cycles for four rays in one loop and 57 in three (llvm-mca, Zen 3, AVX2).  The chain of a plane is short.
+ * From memory one loop is faster: it reads and writes while it computes (`far` of sgt_tile;
+ * docs/data/batches.md).
+ *
+ * NaN is written for rays that are not met, and only in tiles that have such a ray (lane_unmet). */
 #ifndef SGT_SURFACE_SAG_LANES_H
 #define SGT_SURFACE_SAG_LANES_H
 
@@ -41,8 +46,20 @@ SGT_INLINE twofold place_of_root(double o, double t, double d)
  * If the quick form gives no answer, t_err is NaN. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
 
-/* The ray met.  hit: certainly met, and the root is accepted. */
+/* The ray met.  hit: certainly met, and the root is accepted.  If not, the rest is NaN, or what `any` in the
+ * name of a function says: it means nothing. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
+
+/* The same, or NaN of a ray that is not met. */
+SGT_INLINE lane lane_if_met(const lane *e)
+{
+    const double none = (double)NAN;
+    const mask hit = e->hit;
+    return (lane){chosen(hit, e->t, none),  chosen(hit, e->t_err, none), chosen(hit, e->t_lo, none),
+                  chosen(hit, e->px, none), chosen(hit, e->py, none),    chosen(hit, e->pz, none),
+                  chosen(hit, e->nx, none), chosen(hit, e->ny, none),    chosen(hit, e->p_err, none),
+                  hit};
+}
 
 /* Where the ray meets the vertex plane: the point (x, y, 0), at t0 + t0_lo.  Each coordinate is rounded
  * twice, by at most u of itself and of t0_lo l.  t0 + t0_lo is off by 9 u^2 |t0|.  With S or the slope as
@@ -82,13 +99,13 @@ typedef struct lane_end {
     double pz, g, near;
 } lane_end;
 
-SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bool whole,
-                        const lane_end *there, double rim2, mask exact, mask also)
+SGT_INLINE lane lane_any(const near_root *r, const sgt_ray *ray, double t_tol, bool whole,
+                         const lane_end *there, double rim2, mask exact, mask also)
 {
     const double pz = there->pz, g = there->g, near = there->near;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, tmin = ray->tmin, tmax = ray->tmax;
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
-           r2 = px * px + py * py, none = (double)NAN;
+           r2 = px * px + py * py;
     mask between = MASK(at + near < 0x1p1000), apart = exact;
     if (!whole) {
         between = MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) &
@@ -97,15 +114,21 @@ SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, bo
     }
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & between & MASK(r2 <= rim2)
                & (MASK(at + r->t_err > LEAST_PLACE) | apart);
-    lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
-              .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
-              .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
-    e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
+    lane e = {.hit = hit, .t = r->t,  .t_err = r->t_err, .px = px,
+              .py = py,   .pz = pz,   .nx = px * g,      .ny = py * g};
+    e.t_lo = two_sum(r->t0, r->small).lo;
     double length = fabs(l) + fabs(m) + fabs(n),
            place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
-    e.p_err = chosen(
-        hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    e.p_err = 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place);
     return e;
+}
+
+/* The same, and NaN of a ray that is not met. */
+SGT_INLINE lane lane_of(const near_root *r, const sgt_ray *ray, double t_tol, const lane_end *there,
+                        double rim2, mask exact, mask also)
+{
+    const lane e = lane_any(r, ray, t_tol, false, there, rim2, exact, also);
+    return lane_if_met(&e);
 }
 
 /* The answer of the easy form for a single ray.  EASY_NOT: none. */
@@ -150,15 +173,45 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
  * too. */
 typedef enum lane_wish { LANE_BARE, LANE_PLAIN, LANE_FINE, LANE_RICH } lane_wish;
 
-#define LANE_STORE(to, i, e, wish)                                                              \
-    do {                                                                                        \
-        (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;                          \
-        if ((wish) != LANE_BARE) (to).t[i] = (e).t, (to).t_err[i] = (e).t_err;                  \
-        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), \
-        (to).hit[i] = (e).hit;                                                                  \
-        if ((wish) >= LANE_FINE) (to).t_lo[i] = (e).t_lo;                                       \
-        if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                                     \
+/* Stores whatever a lane has, without a look at hit: lane_unmet follows if a ray of the tile is not met. */
+#define LANE_STORE_ALL(to, i, e, wish)                                         \
+    do {                                                                       \
+        (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;         \
+        if ((wish) != LANE_BARE) (to).t[i] = (e).t, (to).t_err[i] = (e).t_err; \
+        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = 1;              \
+        (to).hit[i] = (e).hit;                                                 \
+        if ((wish) >= LANE_FINE) (to).t_lo[i] = (e).t_lo;                      \
+        if ((wish) == LANE_RICH) (to).p_err[i] = (e).p_err;                    \
     } while (0)
+
+#define LANE_STORE(to, i, e, wish)                           \
+    do {                                                     \
+        LANE_STORE_ALL(to, i, e, wish);                      \
+        (to).nz[i] = chosen((e).hit, 1, (double)NAN);        \
+    } while (0)
+
+/* After LANE_STORE_ALL of `count` rays: NaN for those that are not met.  rich: t_lo and p_err are stored. */
+SGT_INLINE void lane_unmet(const lane_to *to, bool rich, size_t count)
+{
+    const lane_to own = *to;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        lane e = {.t = own.t[i],
+                  .t_err = own.t_err[i],
+                  .px = own.px[i],
+                  .py = own.py[i],
+                  .pz = own.pz[i],
+                  .nx = own.nx[i],
+                  .ny = own.ny[i],
+                  .hit = own.hit[i]};
+        if (rich) e.t_lo = own.t_lo[i], e.p_err = own.p_err[i];
+        e = lane_if_met(&e);
+        if (rich)
+            LANE_STORE(own, i, e, LANE_RICH);
+        else
+            LANE_STORE(own, i, e, LANE_PLAIN);
+    }
+}
 
 /* Stores all of a lane if `is`, and leaves what is there if not. */
 #define LANE_STORE_IF(to, i, e, is)                                                                 \
