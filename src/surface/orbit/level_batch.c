@@ -32,16 +32,11 @@
  * single ray, bit for bit: both use the formulas of cell.h and course.h. */
 #include "level.h"
 
-#include "course.h"
+#include "march_f.h"
 #include "../../solve/root.h"
 
-enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
-
-/* For a benchmark: a lane takes a level of the orbit.  It is busy with a cell that is not decided, or
- * idle. */
-#ifndef SGT_COUNT_LEVEL
-#define SGT_COUNT_LEVEL(busy) ((void)0)
-#endif
+/* LANES: of the march in floats.  WIDTH: of that in double. */
+enum { LANES = 32, WIDTH = 16, WAITING = 8, HITS = 8 };
 
 /* A ray in its march.  Each number is a row. */
 enum field {
@@ -52,7 +47,25 @@ enum field {
 /* On the fast way: where F was last evaluated, F there, and 1 over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
 
-typedef struct set { const orbit *o; path path; escape escape; double E2, budget, dt_min; bool proof; } set;
+typedef struct set {
+    const orbit *o;
+    path path;
+    escape escape;
+    double E2, budget, dt_min;
+    bool proof;
+    march_f floats;
+} set;
+
+/* The march in floats (march_f.h).  f: the ray as double takes it over. */
+typedef struct stream_f {
+    double f[FIELDS][LANES];
+    float sa[LANES], sb[LANES], sc[LANES], sd[LANES], la[LANES], lb[LANES], lc[LANES], ld[LANES],
+        start_size[LANES], along_size[LANES], tau[LANES], hi[LANES], step[LANES], growth[LANES], side[LANES],
+        evals[LANES], t_tol[LANES], least[LANES];
+    float a[LANES], b[LANES], c[LANES], d[LANES], pa[LANES], pb[LANES], pc[LANES], pd[LANES], e[LANES],
+        over[LANES], left[LANES], verdict[LANES];
+    float m[LANES], h[LANES], end[LANES], leave[LANES];
+} stream_f;
 
 /* m, h, end: the cell.  verdict: see LIVE below.  leave: see go_on. */
 typedef struct stream {
@@ -100,29 +113,81 @@ typedef struct job {
     set *set; /* the ray of its path changes */
     const sgt_tile *tile;
     size_t next, hard;
+    int busy; /* lanes of the stream with a ray */
     waiting *waiting;
     returned *back;
     near *near;
+    stream_f *floats;
     stream *stream;
     hits *hits;
 } job;
 
 /* ------------------------------------------------------------------ the stream */
 
-enum { STAY, MISSED, NEAR, SPENT };
+/* Lays the next cell if the last is decided, and takes it two levels further. */
+SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
+{
+    const ray_f r = {.sa = s->sa[l], .sb = s->sb[l], .sc = s->sc[l], .sd = s->sd[l], .la = s->la[l],
+                     .lb = s->lb[l], .lc = s->lc[l], .ld = s->ld[l], .start_size = s->start_size[l],
+                     .along_size = s->along_size[l]};
+    flight_f f = {s->a[l], s->b[l], s->c[l], s->d[l], s->pa[l], s->pb[l], s->pc[l], s->pd[l], s->e[l],
+                  s->over[l], s->left[l], s->verdict[l]};
+    const place_f next = lay_f(s->tau[l], s->hi[l], s->step[l]);
+    bool live = f.verdict <= LIVE;
+    float old_m = s->m[l], old_h = s->h[l], old_end = s->end[l], m = live ? old_m : next.m,
+          h = live ? old_h : next.h, end = live ? old_end : next.end;
+    const flight_f n = begin_f(&r, w, m, h, next.odd);
+    f.a = live ? f.a : n.a, f.b = live ? f.b : n.b, f.c = live ? f.c : n.c, f.d = live ? f.d : n.d;
+    f.pa = live ? f.pa : n.pa, f.pb = live ? f.pb : n.pb, f.pc = live ? f.pc : n.pc,
+    f.pd = live ? f.pd : n.pd;
+    f.e = live ? f.e : n.e, f.over = live ? f.over : n.over, f.left = live ? f.left : n.left,
+    f.verdict = live ? f.verdict : n.verdict;
+    on_a_level_f(&f, &n, w, mandelbrot);
+    on_a_level_f(&f, &n, w, mandelbrot);
+    s->a[l] = f.a, s->b[l] = f.b, s->c[l] = f.c, s->d[l] = f.d, s->pa[l] = f.pa, s->pb[l] = f.pb,
+    s->pc[l] = f.pc, s->pd[l] = f.pd;
+    s->e[l] = f.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict, s->m[l] = m,
+    s->h[l] = h, s->end[l] = end;
+}
+
+SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
+{
+    const ray_f r = {.tau = s->tau[l], .hi = s->hi[l], .step = s->step[l], .growth = s->growth[l],
+                     .side = s->side[l], .evals = s->evals[l], .t_tol = s->t_tol[l], .least = s->least[l]};
+    const move_f to = go_on_f(s->verdict[l], s->h[l], s->end[l], &r, &w);
+    s->tau[l] = to.tau, s->step[l] = to.step, s->growth[l] = to.growth, s->side[l] = to.side,
+    s->evals[l] = to.evals, s->leave[l] = to.leave;
+    return to.leave;
+}
+
+/* A bit for each lane that leaves. */
+SGT_INLINE unsigned leaving_of(const float *leave)
+{
+    unsigned which = 0;
+    for (int l = 0; l < LANES; l++) which |= (leave[l] > 0 ? 1U : 0U) << l;
+    return which;
+}
+
+/* Advances all lanes until one leaves. */
+SGT_INLINE unsigned advance_floats(stream_f *s, const set *o, bool mandelbrot)
+{
+    const march_f w = o->floats;
+    float leaving = 0;
+    do {
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) fly_f(s, l, &w, mandelbrot);
+        leaving = 0;
+#pragma omp simd reduction(+ : leaving)
+        for (int l = 0; l < LANES; l++) leaving += settle_f(s, l, w);
+    } while (leaving == 0);
+    return leaving_of(s->leave);
+}
+
+SGT_KERNEL static unsigned floats_julia(stream_f *s, const set *w) { return advance_floats(s, w, false); }
+SGT_KERNEL static unsigned floats_mandelbrot(stream_f *s, const set *w) { return advance_floats(s, w, true); }
 
 /* What all lanes share. */
 typedef struct shared { quaternion c; circle near; double limit, over, growth, E2, levels, budget; } shared;
-
-/* The verdict on a cell:
- *
- *   LIVE   not decided
- *   OUT    outside
- *   CLOSE  to be looked at near the surface
- *
- * Any other verdict (NaN too) means none of these, and not monotone.  It is |Q_N|^2, or infinite where the
- * orbit escaped before.  A lane without a ray is LIVE, with NaN everywhere. */
-enum { LIVE = -3, OUT, CLOSE };
 
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
@@ -211,7 +276,7 @@ SGT_INLINE double go_on(stream *s, int l, const shared w)
 }
 
 /* A bit for each lane that leaves. */
-SGT_INLINE unsigned leaving_of(const stream *s)
+SGT_INLINE unsigned leaving_lanes(const stream *s)
 {
     unsigned which = 0;
     for (int l = 0; l < WIDTH; l++) which |= (s->leave[l] > 0 ? 1U : 0U) << l;
@@ -231,7 +296,7 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += go_on(s, l, w);
     } while (leaving == 0);
-    return leaving_of(s);
+    return leaving_lanes(s);
 }
 
 /* Advances all lanes until one leaves. */
@@ -304,7 +369,7 @@ SGT_INLINE unsigned advance_fast(stream *s, const set *w, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += end_estimate(s, l, e, budget);
     } while (leaving == 0);
-    return leaving_of(s);
+    return leaving_lanes(s);
 }
 
 SGT_KERNEL static unsigned fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
@@ -492,7 +557,35 @@ static void set_up(job *j)
     j->next += n;
 }
 
-/* Gives the next ray to lane l of the stream.  Returns false if there is none: the lane is idle. */
+/* Is there a ray that waits for its march to begin? */
+static bool one_waits(job *j)
+{
+    while (j->waiting->count == 0 && j->next < j->tile->n) set_up(j);
+    return j->waiting->count > 0;
+}
+
+/* Gives the next ray to lane l of the march in floats.  Returns false if there is none. */
+static bool floats_fill(job *j, int l)
+{
+    stream_f *s = j->floats;
+    s->verdict[l] = IDLE;
+    if (!one_waits(j)) return false;
+    int from = j->waiting->order[--j->waiting->count];
+    double f[FIELDS];
+    for (int i = 0; i < FIELDS; i++) s->f[i][l] = f[i] = j->waiting->f[i][from];
+    const course k = {f[TAU], f[HI], f[H], f[GROWTH], 0};
+    const quaternion at[2] = {{f[SA], f[SB], f[SC], f[SD]}, {f[LA], f[LB], f[LC], f[LD]}};
+    const double size[2] = {f[START_SIZE], f[ALONG_SIZE]};
+    const ray_f r = ray_f_of(&j->set->floats, at, size, k, f[T_TOL], f[LEAST]);
+    s->sa[l] = r.sa, s->sb[l] = r.sb, s->sc[l] = r.sc, s->sd[l] = r.sd, s->la[l] = r.la, s->lb[l] = r.lb,
+    s->lc[l] = r.lc, s->ld[l] = r.ld, s->start_size[l] = r.start_size, s->along_size[l] = r.along_size;
+    s->tau[l] = r.tau, s->hi[l] = r.hi, s->step[l] = r.step, s->growth[l] = r.growth, s->side[l] = r.side,
+    s->evals[l] = r.evals, s->t_tol[l] = r.t_tol, s->least[l] = r.least, s->verdict[l] = OUT;
+    return true;
+}
+
+/* Gives the next ray to lane l of the stream: one that comes back or, on the fast way, one that waits.
+ * Returns false if there is none: the lane is idle. */
 static bool stream_fill(job *j, int l)
 {
     stream *s = j->stream;
@@ -502,8 +595,7 @@ static bool stream_fill(job *j, int l)
         for (int i = 0; i < FIELDS; i++) s->f[i][l] = j->back->f[i][from];
         return true;
     }
-    while (j->waiting->count == 0 && j->next < j->tile->n) set_up(j);
-    if (j->waiting->count == 0) {
+    if (!(j->set->dt_min > 0) || !one_waits(j)) {
         for (int i = 0; i < FIELDS; i++) s->f[i][l] = i == RAY ? -1 : 1;
         s->verdict[l] = LIVE, s->left[l] = HUGE_VAL, s->a[l] = s->b[l] = s->c[l] = s->d[l] = NAN;
         return false;
@@ -763,6 +855,13 @@ static void look_and_settle(job *j)
     s->count = kept;
 }
 
+/* Lays the cell of lane l near the surface. */
+static void lay_near(near *s, int l)
+{
+    course k = course_of(s, l);
+    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
+}
+
 /* Moves the ray of a lane of the stream near the surface. */
 static void come_near(job *j, int at)
 {
@@ -774,8 +873,30 @@ static void come_near(job *j, int at)
     }
     int l = s->count++;
     for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
-    course k = course_of(s, l);
-    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
+    lay_near(s, l);
+}
+
+/* Takes the ray of lane `at` out of the march in floats. */
+static void floats_leave(job *j, int at)
+{
+    const stream_f *from = j->floats;
+    near *s = j->near;
+    size_t i = (size_t)from->f[RAY][at];
+    if ((double)from->tau[at] >= from->f[HI][at]) {
+        write_without(&j->tile->hits, i, SGT_MISS, (int)from->evals[at]);
+    } else if ((double)from->evals[at] >= j->set->budget) {
+        give_up(j, i);
+    } else {
+        int l = s->count++;
+        for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
+        course k = course_of(s, l);
+        const ray_f r = {.tau = from->tau[at], .step = from->step[at], .growth = from->growth[at],
+                         .side = from->side[at], .evals = from->evals[at]};
+        k = course_after(k, &r);
+        set_course(s, l, &k), s->f[EVALS][l] = (double)from->evals[at];
+        lay_near(s, l);
+    }
+    while (s->count == WIDTH) look_and_settle(j);
 }
 
 /* On the fast way F has changed its sign in a lane of the stream: makes the bracket. */
@@ -827,17 +948,38 @@ enum { SAME_CELLS = true };
 enum { SAME_CELLS = false }; /* the single ray has no vectors there, and uses other formulas */
 #endif
 
+/* Takes the march in double on until some lanes leave, and fills those. */
+static void step(job *j)
+{
+    const set *w = j->set;
+    unsigned leaving = (w->dt_min > 0 ? w->path.mandelbrot ? fast_mandelbrot : fast_julia
+                        : w->path.mandelbrot ? advance_mandelbrot : advance_julia)(j->stream, w);
+    for (; leaving; leaving &= leaving - 1) {
+        int l = lowest(leaving);
+        stream_leave(j, l);
+        j->busy -= !stream_fill(j, l);
+    }
+}
+
+/* Gives rays to the idle lanes of the stream.  anew: all are idle. */
+static void fill_idle(job *j, bool anew)
+{
+    for (int l = 0; l < WIDTH && (anew || j->back->count || j->set->dt_min > 0); l++)
+        if (anew || j->stream->f[RAY][l] < 0) j->busy += stream_fill(j, l);
+}
+
 size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
 {
     static const double rounding_only[SGT_MOST_TILE]; /* the t_tol of a proof */
     set w = {.o = o, .proof = opt->proof != SGT_ESTIMATE};
     sgt_tile own = *tile;
     stream s;
+    stream_f floats;
     near close;
     waiting waits;
     returned back;
     hits met;
-    job j = {&w, &own, 0, 0, &waits, &back, &close, &s, &met};
+    job j = {&w, &own, 0, 0, 0, &waits, &back, &close, &floats, &s, &met};
     if (!SAME_CELLS || o->power != 2 || o->iterations > MOST_LEVELS) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
@@ -846,28 +988,35 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     w.escape = escape_of(o), w.E2 = o->E * o->E,
     w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
     if (w.proof) own.t_tol = rounding_only;
+    w.floats = march_f_of(o, &w.path, w.budget);
     memset(&close, 0, sizeof close);
     memset(&s, 0, sizeof s);
+    memset(&floats, 0, sizeof floats);
     memset(&met, 0, sizeof met);
     waits.count = back.count = 0;
-    int busy = 0;
-    for (int l = 0; l < WIDTH; l++) busy += stream_fill(&j, l);
-    while (busy || close.count || met.count) {
-        bool drains = 2 * busy <= close.count; /* rays that come back from the surface fill the lanes */
-        if (busy && !drains) {
-            unsigned leaving = (w.dt_min > 0 ? w.path.mandelbrot ? fast_mandelbrot : fast_julia
-                                : w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
+    int afloat = 0;
+    for (int l = 0; l < LANES && !(w.dt_min > 0); l++) afloat += floats_fill(&j, l);
+    fill_idle(&j, true);
+    while (afloat || j.busy || close.count || met.count) {
+        if (afloat) {
+            unsigned leaving = (w.path.mandelbrot ? floats_mandelbrot : floats_julia)(&floats, &w);
             for (; leaving; leaving &= leaving - 1) {
                 int l = lowest(leaving);
-                stream_leave(&j, l);
-                busy -= !stream_fill(&j, l);
+                floats_leave(&j, l);
+                afloat -= !floats_fill(&j, l);
+                fill_idle(&j, false);
+                while (back.count) step(&j); /* all lanes are busy */
             }
+            continue;
+        }
+        bool drains = 2 * j.busy <= close.count; /* rays that come back from the surface fill the lanes */
+        if (j.busy && !drains) {
+            step(&j);
             continue;
         }
         if (close.count) look_and_settle(&j);
         else tell_hits(&j);
-        for (int l = 0; l < WIDTH; l++)
-            if (s.f[RAY][l] < 0) busy += stream_fill(&j, l);
+        fill_idle(&j, false);
     }
     return j.hard;
 }
