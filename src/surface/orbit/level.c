@@ -335,13 +335,13 @@ typedef struct ahead_f {
         e[AHEAD_F], over[AHEAD_F], left[AHEAD_F];
 } ahead_f;
 
-/* The cell behind each of them if it is outside; and the shorter one if it is open. */
-static const signed char next_if_outside[AHEAD_F] = {1, 2, 3, -1, 5, -1, -1, -1},
-                         next_if_open[AHEAD_F] = {4, 7, -1, -1, 6, -1, -1, -1};
+/* Four cells, one behind another; and for each the shorter one, if it is open. */
+static int next_ahead(const ahead_f *s, int i)
+{
+    return s->verdict[i] != OUT && i < 4 ? i + 4 : i < 3 ? i + 1 : -1;
+}
 
-static int next_ahead(const ahead_f *s, int i) { return (s->verdict[i] == OUT ? next_if_outside : next_if_open)[i]; }
-
-/* The first cell on the way from cell 0 that is not decided, or what is beyond all of them. */
+/* Is the first cell on the way that is not decided on its way still? */
 static bool ahead_waits(const ahead_f *s)
 {
     int i = 0;
@@ -381,16 +381,39 @@ SGT_KERNEL static void ahead_mandelbrot(ahead_f *s, const ray_f *r, const march_
 /* Lays cell 0 and those that may follow. */
 static void lay_ahead(ahead_f *s, const ray_f *r)
 {
-    s->tau[0] = r->tau, s->step[0] = r->step, s->growth[0] = r->growth;
-    for (int i = 0; i < AHEAD_F; i++) {
-        const place_f at = lay_f(s->tau[i], r->hi, s->step[i]);
+    float tau = r->tau, step = r->step, growth = r->growth, hi = r->hi;
+    for (int i = 0; i < 4; i++) {
+        const place_f at = lay_f(tau, hi, step);
+        s->tau[i] = tau, s->step[i] = step, s->growth[i] = growth;
         s->m[i] = at.m, s->h[i] = at.h, s->end[i] = at.end, s->odd[i] = at.odd;
-        int out = next_if_outside[i], open = next_if_open[i];
-        float longer = grown_f(s->growth[i]);
-        if (out > 0) s->tau[out] = at.end, s->step[out] = at.h * longer, s->growth[out] = longer;
-        if (open > 0)
-            s->tau[open] = s->tau[i], s->step[open] = at.h * 0.5f, s->growth[open] = shrunk_f(s->growth[i]);
+        growth = grown_f(growth), tau = at.end, step = at.h * growth;
     }
+#pragma omp simd
+    for (int i = 0; i < 4; i++) {
+        float half = s->h[i] * 0.5f;
+        const place_f at = lay_f(s->tau[i], hi, half);
+        s->tau[i + 4] = s->tau[i], s->step[i + 4] = half, s->growth[i + 4] = shrunk_f(s->growth[i]);
+        s->m[i + 4] = at.m, s->h[i + 4] = at.h, s->end[i + 4] = at.end, s->odd[i + 4] = at.odd;
+    }
+}
+
+/* Uses the looks.  Returns false if the march in floats is over. */
+static bool settle_ahead(level_walk *w, const ahead_f *s, ray_f *r, const march_f *set, double hi)
+{
+    const double unit = unit_f_of(w->path.along_size).inverse;
+    for (int i = 0; i >= 0; i = next_ahead(s, i)) {
+        float verdict = s->verdict[i], h = s->h[i];
+        bool out = verdict == OUT;
+        if (verdict == LIVE) return true;
+        if (verdict == CLOSE) return false;
+        if (!out && !(h > shortest_f(verdict, r->side, r->t_tol, r->least, set->E2))) return false;
+        look_on(w, SGT_MARCH, (double)s->m[i] * unit, (double)s->tau[i] * unit, hi);
+        r->evals += 1, r->growth = out ? grown_f(s->growth[i]) : shrunk_f(s->growth[i]);
+        r->step = h * (out ? r->growth : 0.5f);
+        if (out) r->tau = s->end[i], r->side = 1;
+        if (!(r->tau < r->hi) || r->evals >= set->budget || w->done) return false;
+    }
+    return true;
 }
 
 /* The march as far as floats go (march_f.h).  Returns the course from there. */
@@ -401,19 +424,11 @@ static course march_in_floats(level_walk *w, course k)
     const double size[2] = {w->path.start_size, w->path.along_size};
     ray_f r = ray_f_of(&set, at, size, k, w->t_tol, w->least);
     ahead_f s;
-    for (bool on = r.tau < r.hi && !spent(&w->told); on;) {
+    for (bool on = r.tau < r.hi && !spent(&w->told); on; on = settle_ahead(w, &s, &r, &set, k.hi)) {
         lay_ahead(&s, &r);
         (w->path.mandelbrot ? ahead_mandelbrot : ahead_julia)(&s, &r, &set);
-        for (int i = 0; i >= 0 && s.verdict[i] != LIVE && on; i = next_ahead(&s, i)) {
-            float before = r.evals, tau = r.tau;
-            const move_f to = go_on_f(s.verdict[i], s.h[i], s.end[i], &r, &set);
-            r.tau = to.tau, r.step = to.step, r.growth = to.growth, r.side = to.side, r.evals = to.evals;
-            on = to.leave == STAY;
-            if (to.evals > before) look_on(w, SGT_MARCH, (double)s.m[i], (double)tau, k.hi);
-            on = on && !w->done;
-        }
     }
-    return course_after(k, &r);
+    return course_after(k, &r, size[1]);
 }
 
 /* The march over [lo, hi] of a chord that begins at `start`. */

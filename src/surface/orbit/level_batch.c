@@ -124,6 +124,10 @@ typedef struct job {
 
 /* ------------------------------------------------------------------ the stream */
 
+/* STAY: the ray stays in its lane.  MISSED: the end of the ray is reached.  NEAR: the cell at tau has to be looked
+ * at near the surface. */
+enum { STAY, MISSED, NEAR, SPENT };
+
 /* Lays the next cell if the last is decided, and takes it two levels further. */
 SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 {
@@ -150,14 +154,24 @@ SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
     s->h[l] = h, s->end[l] = end;
 }
 
+/* What follows for decided cells. */
 SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
 {
-    const ray_f r = {.tau = s->tau[l], .hi = s->hi[l], .step = s->step[l], .growth = s->growth[l],
-                     .side = s->side[l], .evals = s->evals[l], .t_tol = s->t_tol[l], .least = s->least[l]};
-    const move_f to = go_on_f(s->verdict[l], s->h[l], s->end[l], &r, &w);
-    s->tau[l] = to.tau, s->step[l] = to.step, s->growth[l] = to.growth, s->side[l] = to.side,
-    s->evals[l] = to.evals, s->leave[l] = to.leave;
-    return to.leave;
+    float verdict = s->verdict[l], h = s->h[l], end = s->end[l], tau = s->tau[l], hi = s->hi[l],
+          step = s->step[l], growth = s->growth[l], side = s->side[l], evals = s->evals[l],
+          longer = grown_f(growth), shorter = shrunk_f(growth);
+    float fine = h > shortest_f(verdict, side, s->t_tol[l], s->least[l], w.E2) ? verdict : CLOSE;
+    verdict = verdict <= CLOSE ? verdict : fine;
+    bool out = verdict == OUT, shut = !(verdict <= CLOSE);
+    step = shut ? h * 0.5f : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
+    step = out ? h * longer : step, growth = out ? longer : growth, evals = out ? evals + 1 : evals;
+    tau = out ? end : tau, side = out ? 1 : side;
+    float leave = evals >= w.budget ? NEAR : STAY, last = tau < hi ? leave : MISSED;
+    leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave;
+    leave = verdict <= LIVE ? STAY : leave;
+    s->tau[l] = tau, s->step[l] = step, s->growth[l] = growth, s->side[l] = side, s->evals[l] = evals;
+    s->leave[l] = leave;
+    return leave;
 }
 
 /* A bit for each lane that leaves. */
@@ -882,7 +896,7 @@ static void floats_leave(job *j, int at)
     const stream_f *from = j->floats;
     near *s = j->near;
     size_t i = (size_t)from->f[RAY][at];
-    if ((double)from->tau[at] >= from->f[HI][at]) {
+    if ((double)from->tau[at] >= from->f[HI][at] * unit_f_of(from->f[ALONG_SIZE][at]).of) {
         write_without(&j->tile->hits, i, SGT_MISS, (int)from->evals[at]);
     } else if ((double)from->evals[at] >= j->set->budget) {
         give_up(j, i);
@@ -892,7 +906,7 @@ static void floats_leave(job *j, int at)
         course k = course_of(s, l);
         const ray_f r = {.tau = from->tau[at], .step = from->step[at], .growth = from->growth[at],
                          .side = from->side[at], .evals = from->evals[at]};
-        k = course_after(k, &r);
+        k = course_after(k, &r, s->f[ALONG_SIZE][l]);
         set_course(s, l, &k), s->f[EVALS][l] = (double)from->evals[at];
         lay_near(s, l);
     }

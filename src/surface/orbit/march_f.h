@@ -18,8 +18,8 @@
  *     Outside: all rounding is below 64 u (2 + E_1) A2 (cell.h: 12 u of A2 + A sqrt y and less).  `keep`.
  *     E_k: limit and over are enlarged by 2^-19 and 2^-18.  At N <= 16 levels over' = growth over is off by
  *     34 u of itself.
- *     Underflow: |c| is enlarged by 2^-60 in e', and the place by 2^-80.  What underflows is below 2^-120, as
- *     along is at least 2^-60 and at most 2^60.  Overflow: e is infinite or NaN, and the cell is not outside.
+ *     Underflow: |c| is enlarged by 2^-60 in e', and the place by 2^-80.  What underflows is below 2^-120: tau is
+ *     in units of 1 over |along|, and no more than 2^60.  Overflow: e is infinite or NaN, and the cell is not outside.
  *
  * THE START is rounded down, so that nothing before the first end is left out, and the end of the ray is
  * rounded up.
@@ -60,16 +60,14 @@ static inline march_f march_f_of(const orbit *o, const path *w, double budget)
 {
     const escape s = escape_of(o);
     const circle near = circle_of(w);
-    double big = larger(o->x_length, larger(o->y_length, o->z_length)),
-           small = -larger(-o->x_length, larger(-o->y_length, -o->z_length));
     return (march_f){.a = (float)w->c.a, .b = (float)w->c.b, .c = (float)w->c.c, .d = (float)w->c.d,
                      .limit = (float)(s.limit * (1 + 0x1p-19)), .over = (float)(s.over * (1 + 0x1p-18)),
                      .growth = (float)s.growth, .round = (float)(8 * 0x1p-24 * near.c_abs + 0x1p-60),
                      .keep = (float)(1 - 0x1p-18 * (2 + (s.limit + s.over))), .far = (float)near.far,
                      .E2 = (float)(o->E * o->E), .levels = (float)(o->iterations - first_level(w)),
                      .budget = (float)budget,
-                     .fits = o->power == 2 && o->iterations <= MOST_LEVELS && small >= 0x1p-58 &&
-                             big <= 0x1p58 && (s.over == 0 || s.over >= 0x1p-100)};
+                     .fits = o->power == 2 && o->iterations <= MOST_LEVELS &&
+                             (s.over == 0 || s.over >= 0x1p-100)};
 }
 
 /* A ray in its march. */
@@ -86,25 +84,40 @@ SGT_INLINE float below_f(double x)
 }
 SGT_INLINE float above_f(double x) { return -below_f(-x); }
 
+/* The unit of tau here: the power of two at or below along_size, and 1 over it. */
+typedef struct unit_f { double of, inverse; } unit_f;
+
+SGT_INLINE unit_f unit_f_of(double along_size)
+{
+    double_bits of = {.x = along_size}, inverse;
+    of.bits &= 0x7ff0000000000000ULL, inverse.bits = (2046ULL << 52) - of.bits;
+    return (unit_f){of.x, inverse.x};
+}
+
 /* at: start and along of a path; size: start_size and along_size; k: the course in double.  If the ray is out
  * of range, tau is NaN, and no cell is laid. */
 SGT_INLINE ray_f ray_f_of(const march_f *w, const quaternion at[2], const double size[2], course k,
                           double t_tol, double least)
 {
-    bool fits = w->fits & (size[0] <= 0x1p60) & (fabs(k.tau) <= 0x1p60) & (fabs(k.hi) <= 0x1p60);
+    const unit_f unit = unit_f_of(size[1]);
+    double lo = k.tau * unit.of, hi = k.hi * unit.of;
+    bool fits = w->fits & (size[0] <= 0x1p60) & (size[1] >= 0x1p-1000) & (size[1] <= 0x1p1000) &
+                (fabs(lo) <= 0x1p60) & (fabs(hi) <= 0x1p60);
     return (ray_f){.sa = (float)at[0].a, .sb = (float)at[0].b, .sc = (float)at[0].c, .sd = (float)at[0].d,
-                   .la = (float)at[1].a, .lb = (float)at[1].b, .lc = (float)at[1].c, .ld = (float)at[1].d,
-                   .start_size = (float)size[0], .along_size = (float)size[1],
-                   .tau = fits ? below_f(k.tau) : (float)NAN, .hi = above_f(k.hi), .step = (float)k.h,
-                   .growth = (float)k.growth, .side = 0, .evals = 0, .t_tol = (float)t_tol,
-                   .least = (float)(0x1p32 * least)};
+                   .la = (float)(at[1].a * unit.inverse), .lb = (float)(at[1].b * unit.inverse),
+                   .lc = (float)(at[1].c * unit.inverse), .ld = (float)(at[1].d * unit.inverse),
+                   .start_size = (float)size[0], .along_size = (float)(size[1] * unit.inverse),
+                   .tau = fits ? below_f(lo) : (float)NAN, .hi = above_f(hi), .step = (float)(k.h * unit.of),
+                   .growth = (float)k.growth, .side = 0, .evals = 0, .t_tol = (float)(t_tol * unit.of),
+                   .least = (float)(0x1p32 * (least * unit.of))};
 }
 
 /* Where floats have ended: from there the march goes on in double. */
-SGT_INLINE course course_after(course k, const ray_f *r)
+SGT_INLINE course course_after(course k, const ray_f *r, double along_size)
 {
-    k.tau = r->side > 0 ? (double)r->tau : k.tau, k.side = (double)r->side;
-    k.h = r->evals > 0 ? (double)r->step : k.h, k.growth = r->evals > 0 ? (double)r->growth : k.growth;
+    const double unit = unit_f_of(along_size).inverse;
+    k.tau = r->side > 0 ? (double)r->tau * unit : k.tau, k.side = (double)r->side;
+    k.h = r->evals > 0 ? (double)r->step * unit : k.h, k.growth = r->evals > 0 ? (double)r->growth : k.growth;
     return k;
 }
 
@@ -173,12 +186,6 @@ SGT_INLINE void on_a_level_f(flight_f *s, const flight_f *first, const march_f *
     s->over *= w->growth, s->left -= 1;
 }
 
-/* What follows from a verdict.  STAY: the march goes on in floats.  MISSED: the end of the ray is reached.
- * NEAR: floats end. */
-enum { STAY, MISSED, NEAR, SPENT };
-
-typedef struct move_f { float tau, step, growth, side, evals, leave; } move_f;
-
 SGT_INLINE float grown_f(float growth)
 {
     growth *= growth < 1.19f ? 1.08f : 1.15f;
@@ -192,22 +199,11 @@ SGT_INLINE float shrunk_f(float growth)
     return less > 0.7f ? less : 0.7f;
 }
 
-SGT_INLINE move_f go_on_f(float verdict, float h, float end, const ray_f *r, const march_f *w)
+/* Floats end at an open cell with h up to this. */
+SGT_INLINE float shortest_f(float verdict, float side, float t_tol, float least, float E2)
 {
-    float tau = r->tau, step = r->step, growth = r->growth, side = r->side, evals = r->evals;
-    float longer = grown_f(growth), shorter = shrunk_f(growth);
-    float across = side * (w->E2 - verdict), wanted = across > 0 ? r->t_tol : 0; /* `decide` may call it ACROSS */
-    wanted = wanted > r->least ? wanted : r->least;
-    float fine = h > wanted ? verdict : CLOSE;
-    verdict = verdict <= CLOSE ? verdict : fine;
-    bool out = verdict == OUT, shut = !(verdict <= CLOSE);
-    step = shut ? h * 0.5f : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
-    step = out ? h * longer : step, growth = out ? longer : growth, evals = out ? evals + 1 : evals;
-    tau = out ? end : tau, side = out ? 1 : side;
-    float leave = evals >= w->budget ? NEAR : STAY, last = tau < r->hi ? leave : MISSED;
-    leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave;
-    leave = verdict <= LIVE ? STAY : leave;
-    return (move_f){tau, step, growth, side, evals, leave};
+    float wanted = side * (E2 - verdict) > 0 ? t_tol : 0; /* `decide` may call it ACROSS */
+    return wanted > least ? wanted : least;
 }
 
 #endif
