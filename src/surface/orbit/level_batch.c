@@ -44,6 +44,15 @@ enum field {
     LEAST_STEP, RAY, FIELDS
 };
 
+/* Copies a ray to a column of another width. */
+SGT_INLINE void move_ray(double *to, int to_width, const double *from, int width)
+{
+    for (int i = 0; i < FIELDS; i += 4, to += 4 * to_width, from += 4 * width) {
+        double a = from[0], b = from[width], c = from[2 * width], d = from[3 * width];
+        to[0] = a, to[to_width] = b, to[2 * to_width] = c, to[3 * to_width] = d;
+    }
+}
+
 /* On the fast way: where F was last evaluated, F there, and 1 over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
 
@@ -89,6 +98,7 @@ typedef struct near {
     cell_place at[WIDTH];
     errand task[WIDTH];
     int count;
+    unsigned free; /* a bit for each lane without a ray */
 } near;
 
 typedef struct waiting { double f[FIELDS][WAITING]; int order[WAITING], count; } waiting;
@@ -128,7 +138,7 @@ typedef struct job {
  * at near the surface. */
 enum { STAY, MISSED, NEAR, SPENT };
 
-/* Lays the next cell if the last is decided, and takes it two levels further. */
+/* Lays the next cell if the last is decided, and takes it three levels further. */
 SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 {
     const ray_f r = {.sa = s->sa[l], .sb = s->sb[l], .sc = s->sc[l], .sd = s->sd[l], .la = s->la[l],
@@ -146,6 +156,7 @@ SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
     f.pd = live ? f.pd : n.pd;
     f.e = live ? f.e : n.e, f.over = live ? f.over : n.over, f.left = live ? f.left : n.left,
     f.verdict = live ? f.verdict : n.verdict;
+    on_a_level_f(&f, &n, w, mandelbrot);
     on_a_level_f(&f, &n, w, mandelbrot);
     on_a_level_f(&f, &n, w, mandelbrot);
     s->a[l] = f.a, s->b[l] = f.b, s->c[l] = f.c, s->d[l] = f.d, s->pa[l] = f.pa, s->pb[l] = f.pb,
@@ -408,7 +419,7 @@ SGT_INLINE void begin_near(near *s, int l)
  * infinite at level N. */
 SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle o)
 {
-    SGT_COUNT_LEVEL(l < s->count && s->live[l] > 0);
+    SGT_COUNT_LEVEL((s->free >> l & 1) == 0 && s->live[l] > 0);
     double h = s->h[l], live = s->live[l], out = s->out[l], A, room;
     one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l],
              .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]};
@@ -465,23 +476,23 @@ SGT_INLINE void look_near(near *s, const set *w, bool mandelbrot)
 {
     const quaternion c = w->path.c;
     const circle o = circle_of(&w->path);
-    const int n = w->path.iterations, count = (s->count + 7) & ~7;
+    const int n = w->path.iterations;
 #pragma omp simd
-    for (int l = 0; l < count; l++) begin_near(s, l);
+    for (int l = 0; l < WIDTH; l++) begin_near(s, l);
     for (int k = mandelbrot ? 1 : 0; k < n; k++) {
         double E = w->path.escape[k];
 #pragma omp simd
-        for (int l = 0; l < count; l++) {
+        for (int l = 0; l < WIDTH; l++) {
             look_at_level(s, l, E, o.far, o);
             next_level(s, l, c, o, mandelbrot);
         }
     }
     double E = w->path.escape[n];
 #pragma omp simd
-    for (int l = 0; l < count; l++) look_at_level(s, l, E, HUGE_VAL, o);
+    for (int l = 0; l < WIDTH; l++) look_at_level(s, l, E, HUGE_VAL, o);
     double E_n = w->path.E, E_err = w->path.E_err, E2 = w->E2;
 #pragma omp simd
-    for (int l = 0; l < count; l++) judge_near(s, l, E_n, E_err, E2);
+    for (int l = 0; l < WIDTH; l++) judge_near(s, l, E_n, E_err, E2);
 }
 
 SGT_KERNEL static void look_near_julia(near *s, const set *w) { look_near(s, w, false); }
@@ -584,9 +595,9 @@ static bool floats_fill(job *j, int l)
     stream_f *s = j->floats;
     s->verdict[l] = IDLE;
     if (!one_waits(j)) return false;
-    int from = j->waiting->order[--j->waiting->count];
     double f[FIELDS];
-    for (int i = 0; i < FIELDS; i++) s->f[i][l] = f[i] = j->waiting->f[i][from];
+    move_ray(f, 1, j->waiting->f[0] + j->waiting->order[--j->waiting->count], WAITING);
+    move_ray(s->f[0] + l, LANES, f, 1);
     const course k = {f[TAU], f[HI], f[H], f[GROWTH], 0};
     const quaternion at[2] = {{f[SA], f[SB], f[SC], f[SD]}, {f[LA], f[LB], f[LC], f[LD]}};
     const double size[2] = {f[START_SIZE], f[ALONG_SIZE]};
@@ -605,8 +616,7 @@ static bool stream_fill(job *j, int l)
     stream *s = j->stream;
     s->verdict[l] = OUT;
     if (j->back->count) {
-        int from = --j->back->count;
-        for (int i = 0; i < FIELDS; i++) s->f[i][l] = j->back->f[i][from];
+        move_ray(s->f[0] + l, WIDTH, j->back->f[0] + --j->back->count, MOST_BACK);
         return true;
     }
     if (!(j->set->dt_min > 0) || !one_waits(j)) {
@@ -614,8 +624,7 @@ static bool stream_fill(job *j, int l)
         s->verdict[l] = LIVE, s->left[l] = HUGE_VAL, s->a[l] = s->b[l] = s->c[l] = s->d[l] = NAN;
         return false;
     }
-    int from = j->waiting->order[--j->waiting->count];
-    for (int i = 0; i < FIELDS; i++) s->f[i][l] = j->waiting->f[i][from];
+    move_ray(s->f[0] + l, WIDTH, j->waiting->f[0] + j->waiting->order[--j->waiting->count], WAITING);
     return true;
 }
 
@@ -724,8 +733,7 @@ static void go_back(job *j, const double f[], int apart)
         write_without(&j->tile->hits, i, SGT_MISS, (int)f[EVALS * apart]);
     } else {
         returned *back = j->back;
-        for (int k = 0; k < FIELDS; k++) back->f[k][back->count] = f[k * apart];
-        back->count++;
+        move_ray(back->f[0] + back->count++, MOST_BACK, f, apart);
     }
 }
 
@@ -781,7 +789,7 @@ static void add_hit_at(job *j, int from, double tau, double tau_err)
     hits *s = j->hits;
     size_t l = s->count++, i = (size_t)at->f[RAY][from];
     sgt_ray ray = ray_at(&j->tile->rays, i);
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = at->f[f][from];
+    move_ray(s->f[0] + l, HITS, at->f[0] + from, WIDTH);
     s->f[EVALS][l] += 1;
     s->o[0][l] = ray.o.x, s->o[1][l] = ray.o.y, s->o[2][l] = ray.o.z, s->d[0][l] = ray.d.x,
     s->d[1][l] = ray.d.y, s->d[2][l] = ray.d.z;
@@ -850,23 +858,34 @@ static bool stream_settle(job *j, int l)
     return false;
 }
 
-/* Looks at all cells near the surface.  Those whose rays leave make room. */
+/* Looks at all cells near the surface. */
 static void look_and_settle(job *j)
 {
     near *s = j->near;
     if (j->set->path.mandelbrot) look_near_mandelbrot(s, j->set);
     else look_near_julia(s, j->set);
-    int kept = 0;
-    for (int l = 0; l < s->count; l++) {
-        if (!stream_settle(j, l)) continue;
-        if (kept < l) {
-            for (int f = 0; f < FIELDS; f++) s->f[f][kept] = s->f[f][l];
-            s->m[kept] = s->m[l], s->h[kept] = s->h[l];
-            s->root[kept] = s->root[l], s->at[kept] = s->at[l], s->task[kept] = s->task[l];
-        }
-        kept++;
-    }
-    s->count = kept;
+    for (int l = 0; l < WIDTH; l++)
+        if (!(s->free >> l & 1) && !stream_settle(j, l)) s->free |= 1U << l, s->count--;
+}
+
+static int lowest(unsigned bits)
+{
+#if defined(__GNUC__)
+    return __builtin_ctz(bits);
+#else
+    int l = 0;
+    while (!(bits >> l & 1)) l++;
+    return l;
+#endif
+}
+
+/* Gives a lane near the surface to a ray. */
+static int lane_near(near *s, const double f[], int apart)
+{
+    int l = lowest(s->free);
+    s->free &= s->free - 1, s->count++;
+    move_ray(s->f[0] + l, WIDTH, f, apart);
+    return l;
 }
 
 /* Lays the cell of lane l near the surface. */
@@ -885,9 +904,7 @@ static void come_near(job *j, int at)
         give_up(j, (size_t)from->f[RAY][at]);
         return;
     }
-    int l = s->count++;
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
-    lay_near(s, l);
+    lay_near(s, lane_near(s, from->f[0] + at, WIDTH));
 }
 
 /* Takes the ray of lane `at` out of the march in floats. */
@@ -901,8 +918,7 @@ static void floats_leave(job *j, int at)
     } else if ((double)from->evals[at] >= j->set->budget) {
         give_up(j, i);
     } else {
-        int l = s->count++;
-        for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
+        int l = lane_near(s, from->f[0] + at, LANES);
         course k = course_of(s, l);
         const ray_f r = {.tau = from->tau[at], .step = from->step[at], .growth = from->growth[at],
                          .side = from->side[at], .evals = from->evals[at]};
@@ -918,15 +934,14 @@ static void cross(job *j, int at)
 {
     const stream *from = j->stream;
     near *s = j->near;
-    int l = s->count++;
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
+    int l = lane_near(s, from->f[0] + at, WIDTH);
     double last = s->f[LAST][l], last_f = s->f[LAST_F][l], tau = s->f[TAU][l], f = from->end[at];
     bracket *p = &s->root[l];
     *p = (bracket){.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
     step_to(p, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));
     s->m[l] = p->m, s->h[l] = p->h, s->task[l] = POLISH;
     if (root_error(p) > larger(s->f[T_TOL][l], s->f[LEAST][l]) && s->f[EVALS][l] < j->set->budget) return;
-    s->count--;
+    s->free |= 1U << l, s->count--;
     if (s->f[EVALS][l] < j->set->budget) add_hit_at(j, l, p->m, root_error(p));
     else give_up(j, (size_t)s->f[RAY][l]);
 }
@@ -944,23 +959,6 @@ static void stream_leave(job *j, int l)
     else come_near(j, l);
     while (j->near->count == WIDTH) look_and_settle(j);
 }
-
-static int lowest(unsigned bits)
-{
-#if defined(__GNUC__)
-    return __builtin_ctz(bits);
-#else
-    int l = 0;
-    while (!(bits >> l & 1)) l++;
-    return l;
-#endif
-}
-
-#if defined(__GNUC__)
-enum { SAME_CELLS = true };
-#else
-enum { SAME_CELLS = false }; /* the single ray has no vectors there, and uses other formulas */
-#endif
 
 /* Takes the march in double on until some lanes leave, and fills those. */
 static void step(job *j)
@@ -981,6 +979,12 @@ static void fill_idle(job *j, bool anew)
     for (int l = 0; l < WIDTH && (anew || j->back->count || j->set->dt_min > 0); l++)
         if (anew || j->stream->f[RAY][l] < 0) j->busy += stream_fill(j, l);
 }
+
+#if defined(__GNUC__)
+enum { SAME_CELLS = true };
+#else
+enum { SAME_CELLS = false }; /* the single ray has no vectors there, and uses other formulas */
+#endif
 
 size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
 {
@@ -1004,6 +1008,7 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     if (w.proof) own.t_tol = rounding_only;
     w.floats = march_f_of(o, &w.path, w.budget);
     memset(&close, 0, sizeof close);
+    close.free = (1U << WIDTH) - 1;
     memset(&s, 0, sizeof s);
     memset(&floats, 0, sizeof floats);
     memset(&met, 0, sizeof met);
