@@ -375,15 +375,21 @@ SGT_INLINE void look_ahead(ahead_f *s, const ray_f *ray, const march_f *set, boo
     } while (ahead_waits(s));
 }
 
-SGT_KERNEL static void ahead_julia(ahead_f *s, const ray_f *r, const march_f *w) { look_ahead(s, r, w, false); }
-SGT_KERNEL static void ahead_mandelbrot(ahead_f *s, const ray_f *r, const march_f *w) { look_ahead(s, r, w, true); }
+SGT_KERNEL static void ahead_julia(ahead_f *s, const ray_f *r, const march_f *w)
+{
+    look_ahead(s, r, w, false);
+}
+SGT_KERNEL static void ahead_mandelbrot(ahead_f *s, const ray_f *r, const march_f *w)
+{
+    look_ahead(s, r, w, true);
+}
 
 /* Lays cell 0 and those that may follow. */
 static void lay_ahead(ahead_f *s, const ray_f *r)
 {
     float tau = r->tau, step = r->step, growth = r->growth, hi = r->hi;
     for (int i = 0; i < 4; i++) {
-        const place_f at = lay_f(tau, hi, step);
+        const cell_f at = lay_f(tau, hi, step);
         s->tau[i] = tau, s->step[i] = step, s->growth[i] = growth;
         s->m[i] = at.m, s->h[i] = at.h, s->end[i] = at.end, s->odd[i] = at.odd;
         growth = grown_f(growth), tau = at.end, step = at.h * growth;
@@ -391,7 +397,7 @@ static void lay_ahead(ahead_f *s, const ray_f *r)
 #pragma omp simd
     for (int i = 0; i < 4; i++) {
         float half = s->h[i] * 0.5f;
-        const place_f at = lay_f(s->tau[i], hi, half);
+        const cell_f at = lay_f(s->tau[i], hi, half);
         s->tau[i + 4] = s->tau[i], s->step[i + 4] = half, s->growth[i + 4] = shrunk_f(s->growth[i]);
         s->m[i + 4] = at.m, s->h[i + 4] = at.h, s->end[i + 4] = at.end, s->odd[i + 4] = at.odd;
     }

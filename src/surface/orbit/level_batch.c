@@ -2,19 +2,22 @@
 /* level_batch.c - first hits of many rays on a level set with p = 2: the march of level.c, one ray in each
  * lane.
  *
- * THE STREAM.  Each lane carries the current cell of one ray at its own level of the orbit, with its own
- * E_k.  One step takes every lane one level further.  An outside cell is followed by the next, an open one
- * by a shorter one, in vector code without a branch.  If something is rare or near the surface, the ray
+ * IN FLOATS the march begins (march_f.h).  Each lane carries the current cell of one ray at its own level of
+ * the orbit, with its own E_k.  One step takes every lane one level further.  An outside cell is followed by
+ * the next, an open one by a shorter one, in vector code without a branch.  Where floats end, the ray
  * leaves its lane, and the lane takes the next ray.  A decided cell waits until its lane's pulse of levels
- * ends.  A longer pulse leaves more lanes idle; a shorter one needs more control.
+ * ends.  A longer pulse leaves more lanes idle; a shorter one needs more control.  Three levels take 2 to
+ * 6 % less time than two.
  *
- * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray; 83 levels
- * (Q_0 and cells looked at twice included); 92 % of the lanes' levels spent on cells not yet decided.  The
- * cost is the number of vector instructions: two a cycle of 512 bits, some 95 a level and 120 a pulse.
+ * THE STREAM is the same march in double, with pulses of two levels.  It takes rays that come back from the
+ * surface.  It goes on when all its lanes are taken, or no ray is left in floats.
  *
- * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.1 times as long with
- * AVX-512, 1.6 to 1.8 times the instructions with AVX2 (2000 and 300 rays of a picture of a Julia set and of
- * a Mandelbrot set; the times are ratios in one run).
+ * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 320 x 240 rays, beside the same march all in double:
+ * 0.80 of the time with AVX-512 and 0.77 with AVX2 (Zen 4).  At N = 11 it is 0.71 and 0.70, for c = i and N =
+ * 16 0.71 and 0.67.  floats_julia takes 32 % of it, look_near_julia 13, stream_settle 12.
+ *
+ * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.4 times the instructions
+ * with AVX2 (a picture of a Julia set and of a Mandelbrot set).
  *
  * THE FAST WAY.  An estimate is a short orbit with much work after it, so the lanes take whole orbits
  * together.  A change of sign goes to `near`.
@@ -65,12 +68,16 @@ typedef struct set {
     march_f floats;
 } set;
 
+/* A ray in floats (ray_f).  Each number is a row. */
+enum field_f {
+    FSA, FSB, FSC, FSD, FLA, FLB, FLC, FLD, FSTART_SIZE, FALONG_SIZE, FTAU, FHI, FSTEP, FGROWTH, FSIDE, FEVALS,
+    FT_TOL, FLEAST, FIELDS_F
+};
+
 /* The march in floats (march_f.h).  f: the ray as double takes it over. */
 typedef struct stream_f {
     double f[FIELDS][LANES];
-    float sa[LANES], sb[LANES], sc[LANES], sd[LANES], la[LANES], lb[LANES], lc[LANES], ld[LANES],
-        start_size[LANES], along_size[LANES], tau[LANES], hi[LANES], step[LANES], growth[LANES], side[LANES],
-        evals[LANES], t_tol[LANES], least[LANES];
+    float r[FIELDS_F][LANES];
     float a[LANES], b[LANES], c[LANES], d[LANES], pa[LANES], pb[LANES], pc[LANES], pd[LANES], e[LANES],
         over[LANES], left[LANES], verdict[LANES];
     float m[LANES], h[LANES], end[LANES], leave[LANES];
@@ -101,7 +108,11 @@ typedef struct near {
     unsigned free; /* a bit for each lane without a ray */
 } near;
 
-typedef struct waiting { double f[FIELDS][WAITING]; int order[WAITING], count; } waiting;
+typedef struct waiting {
+    double f[FIELDS][WAITING];
+    float r[FIELDS_F][WAITING];
+    int order[WAITING], count;
+} waiting;
 
 /* Rays on their way back to the stream.  They are at most those near the surface and among the hits. */
 enum { MOST_BACK = WIDTH + HITS };
@@ -134,19 +145,19 @@ typedef struct job {
 
 /* ------------------------------------------------------------------ the stream */
 
-/* STAY: the ray stays in its lane.  MISSED: the end of the ray is reached.  NEAR: the cell at tau has to be looked
- * at near the surface. */
+/* STAY: the ray stays in its lane.  MISSED: the end of the ray is reached.  NEAR: the cell at tau has to be
+ * looked at near the surface.  SPENT: the budget is. */
 enum { STAY, MISSED, NEAR, SPENT };
 
 /* Lays the next cell if the last is decided, and takes it three levels further. */
 SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 {
-    const ray_f r = {.sa = s->sa[l], .sb = s->sb[l], .sc = s->sc[l], .sd = s->sd[l], .la = s->la[l],
-                     .lb = s->lb[l], .lc = s->lc[l], .ld = s->ld[l], .start_size = s->start_size[l],
-                     .along_size = s->along_size[l]};
+    const ray_f r = {.sa = s->r[FSA][l], .sb = s->r[FSB][l], .sc = s->r[FSC][l], .sd = s->r[FSD][l], .la = s->r[FLA][l],
+                     .lb = s->r[FLB][l], .lc = s->r[FLC][l], .ld = s->r[FLD][l], .start_size = s->r[FSTART_SIZE][l],
+                     .along_size = s->r[FALONG_SIZE][l]};
     flight_f f = {s->a[l], s->b[l], s->c[l], s->d[l], s->pa[l], s->pb[l], s->pc[l], s->pd[l], s->e[l],
                   s->over[l], s->left[l], s->verdict[l]};
-    const place_f next = lay_f(s->tau[l], s->hi[l], s->step[l]);
+    const cell_f next = lay_f(s->r[FTAU][l], s->r[FHI][l], s->r[FSTEP][l]);
     bool live = f.verdict <= LIVE;
     float old_m = s->m[l], old_h = s->h[l], old_end = s->end[l], m = live ? old_m : next.m,
           h = live ? old_h : next.h, end = live ? old_end : next.end;
@@ -168,10 +179,10 @@ SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 /* What follows for decided cells. */
 SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
 {
-    float verdict = s->verdict[l], h = s->h[l], end = s->end[l], tau = s->tau[l], hi = s->hi[l],
-          step = s->step[l], growth = s->growth[l], side = s->side[l], evals = s->evals[l],
+    float verdict = s->verdict[l], h = s->h[l], end = s->end[l], tau = s->r[FTAU][l], hi = s->r[FHI][l],
+          step = s->r[FSTEP][l], growth = s->r[FGROWTH][l], side = s->r[FSIDE][l], evals = s->r[FEVALS][l],
           longer = grown_f(growth), shorter = shrunk_f(growth);
-    float fine = h > shortest_f(verdict, side, s->t_tol[l], s->least[l], w.E2) ? verdict : CLOSE;
+    float fine = h > shortest_f(verdict, side, s->r[FT_TOL][l], s->r[FLEAST][l], w.E2) ? verdict : CLOSE;
     verdict = verdict <= CLOSE ? verdict : fine;
     bool out = verdict == OUT, shut = !(verdict <= CLOSE);
     step = shut ? h * 0.5f : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
@@ -180,7 +191,7 @@ SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
     float leave = evals >= w.budget ? NEAR : STAY, last = tau < hi ? leave : MISSED;
     leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave;
     leave = verdict <= LIVE ? STAY : leave;
-    s->tau[l] = tau, s->step[l] = step, s->growth[l] = growth, s->side[l] = side, s->evals[l] = evals;
+    s->r[FTAU][l] = tau, s->r[FSTEP][l] = step, s->r[FGROWTH][l] = growth, s->r[FSIDE][l] = side, s->r[FEVALS][l] = evals;
     s->leave[l] = leave;
     return leave;
 }
@@ -518,8 +529,10 @@ SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 /* Makes ray `at` of the tile ready as number i of those that wait.  Returns 1 if it is ready, 0 if it
  * misses, -1 if it is invalid or out of range. */
 SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const double *t_tol, size_t at,
-                             const orbit *o, double radius, double dt_min)
+                             const orbit *o, double radius, const set *set)
 {
+    const double dt_min = set->dt_min;
+    const march_f *floats = &set->floats;
     sgt_ray ray = ray_at(rays, at);
     double finite = ((ray.o.x - ray.o.x) + (ray.o.y - ray.o.y) + (ray.o.z - ray.o.z)) +
                     ((ray.d.x - ray.d.x) + (ray.d.y - ray.d.y) + (ray.d.z - ray.d.z));
@@ -552,6 +565,14 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     s->f[H][i] = fast ? lo : k.h, s->f[GROWTH][i] = fast ? (double)NAN : k.growth,
     s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
     s->f[T_TOL][i] = t_tol[at] / q.scale, s->f[LEAST][i] = least;
+    const quaternion line[2] = {w.start, w.along};
+    const double size[2] = {w.start_size, w.along_size};
+    const ray_f r = ray_f_of(floats, line, size, k, t_tol[at] / q.scale, least);
+    s->r[FSA][i] = r.sa, s->r[FSB][i] = r.sb, s->r[FSC][i] = r.sc, s->r[FSD][i] = r.sd;
+    s->r[FLA][i] = r.la, s->r[FLB][i] = r.lb, s->r[FLC][i] = r.lc, s->r[FLD][i] = r.ld;
+    s->r[FSTART_SIZE][i] = r.start_size, s->r[FALONG_SIZE][i] = r.along_size;
+    s->r[FTAU][i] = r.tau, s->r[FHI][i] = r.hi, s->r[FSTEP][i] = r.step, s->r[FGROWTH][i] = r.growth;
+    s->r[FSIDE][i] = r.side, s->r[FEVALS][i] = r.evals, s->r[FT_TOL][i] = r.t_tol, s->r[FLEAST][i] = r.least;
     return fits;
 }
 
@@ -560,9 +581,10 @@ SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile
 {
     const orbit o = *w->o;
     const sgt_rays rays = tile->rays;
-    const double radius = w->escape.limit + w->escape.over, *t_tol = tile->t_tol, dt_min = w->dt_min;
+    const double radius = w->escape.limit + w->escape.over, *t_tol = tile->t_tol;
+    const set shared = *w;
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, dt_min);
+    for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, &shared);
 }
 
 /* Makes the next rays ready. */
@@ -593,19 +615,16 @@ static bool one_waits(job *j)
 static bool floats_fill(job *j, int l)
 {
     stream_f *s = j->floats;
+    waiting *w = j->waiting;
     s->verdict[l] = IDLE;
     if (!one_waits(j)) return false;
-    double f[FIELDS];
-    move_ray(f, 1, j->waiting->f[0] + j->waiting->order[--j->waiting->count], WAITING);
-    move_ray(s->f[0] + l, LANES, f, 1);
-    const course k = {f[TAU], f[HI], f[H], f[GROWTH], 0};
-    const quaternion at[2] = {{f[SA], f[SB], f[SC], f[SD]}, {f[LA], f[LB], f[LC], f[LD]}};
-    const double size[2] = {f[START_SIZE], f[ALONG_SIZE]};
-    const ray_f r = ray_f_of(&j->set->floats, at, size, k, f[T_TOL], f[LEAST]);
-    s->sa[l] = r.sa, s->sb[l] = r.sb, s->sc[l] = r.sc, s->sd[l] = r.sd, s->la[l] = r.la, s->lb[l] = r.lb,
-    s->lc[l] = r.lc, s->ld[l] = r.ld, s->start_size[l] = r.start_size, s->along_size[l] = r.along_size;
-    s->tau[l] = r.tau, s->hi[l] = r.hi, s->step[l] = r.step, s->growth[l] = r.growth, s->side[l] = r.side,
-    s->evals[l] = r.evals, s->t_tol[l] = r.t_tol, s->least[l] = r.least, s->verdict[l] = OUT;
+    int from = w->order[--w->count];
+    move_ray(s->f[0] + l, LANES, w->f[0] + from, WAITING);
+    for (int i = 0; i < FIELDS_F; i += 3) {
+        float a = w->r[i][from], b = w->r[i + 1][from], c = w->r[i + 2][from];
+        s->r[i][l] = a, s->r[i + 1][l] = b, s->r[i + 2][l] = c;
+    }
+    s->verdict[l] = OUT;
     return true;
 }
 
@@ -880,7 +899,7 @@ static int lowest(unsigned bits)
 }
 
 /* Gives a lane near the surface to a ray. */
-static int lane_near(near *s, const double f[], int apart)
+static int take_lane(near *s, const double f[], int apart)
 {
     int l = lowest(s->free);
     s->free &= s->free - 1, s->count++;
@@ -904,7 +923,7 @@ static void come_near(job *j, int at)
         give_up(j, (size_t)from->f[RAY][at]);
         return;
     }
-    lay_near(s, lane_near(s, from->f[0] + at, WIDTH));
+    lay_near(s, take_lane(s, from->f[0] + at, WIDTH));
 }
 
 /* Takes the ray of lane `at` out of the march in floats. */
@@ -913,17 +932,18 @@ static void floats_leave(job *j, int at)
     const stream_f *from = j->floats;
     near *s = j->near;
     size_t i = (size_t)from->f[RAY][at];
-    if ((double)from->tau[at] >= from->f[HI][at] * unit_f_of(from->f[ALONG_SIZE][at]).of) {
-        write_without(&j->tile->hits, i, SGT_MISS, (int)from->evals[at]);
-    } else if ((double)from->evals[at] >= j->set->budget) {
+    if ((double)from->r[FTAU][at] >= from->f[HI][at] * unit_f_of(from->f[ALONG_SIZE][at]).of) {
+        write_without(&j->tile->hits, i, SGT_MISS, (int)from->r[FEVALS][at]);
+    } else if ((double)from->r[FEVALS][at] >= j->set->budget) {
         give_up(j, i);
     } else {
-        int l = lane_near(s, from->f[0] + at, LANES);
+        int l = take_lane(s, from->f[0] + at, LANES);
         course k = course_of(s, l);
-        const ray_f r = {.tau = from->tau[at], .step = from->step[at], .growth = from->growth[at],
-                         .side = from->side[at], .evals = from->evals[at]};
+        const ray_f r = {.tau = from->r[FTAU][at], .step = from->r[FSTEP][at],
+                         .growth = from->r[FGROWTH][at], .side = from->r[FSIDE][at],
+                         .evals = from->r[FEVALS][at]};
         k = course_after(k, &r, s->f[ALONG_SIZE][l]);
-        set_course(s, l, &k), s->f[EVALS][l] = (double)from->evals[at];
+        set_course(s, l, &k), s->f[EVALS][l] = (double)from->r[FEVALS][at];
         lay_near(s, l);
     }
     while (s->count == WIDTH) look_and_settle(j);
@@ -934,7 +954,7 @@ static void cross(job *j, int at)
 {
     const stream *from = j->stream;
     near *s = j->near;
-    int l = lane_near(s, from->f[0] + at, WIDTH);
+    int l = take_lane(s, from->f[0] + at, WIDTH);
     double last = s->f[LAST][l], last_f = s->f[LAST_F][l], tau = s->f[TAU][l], f = from->end[at];
     bracket *p = &s->root[l];
     *p = (bracket){.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
@@ -961,7 +981,7 @@ static void stream_leave(job *j, int l)
 }
 
 /* Takes the march in double on until some lanes leave, and fills those. */
-static void step(job *j)
+static void step_stream(job *j)
 {
     const set *w = j->set;
     unsigned leaving = (w->dt_min > 0 ? w->path.mandelbrot ? fast_mandelbrot : fast_julia
@@ -1024,13 +1044,13 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
                 floats_leave(&j, l);
                 afloat -= !floats_fill(&j, l);
                 fill_idle(&j, false);
-                while (back.count) step(&j); /* all lanes are busy */
+                while (back.count) step_stream(&j); /* all lanes are busy */
             }
             continue;
         }
         bool drains = 2 * j.busy <= close.count; /* rays that come back from the surface fill the lanes */
         if (j.busy && !drains) {
-            step(&j);
+            step_stream(&j);
             continue;
         }
         if (close.count) look_and_settle(&j);

@@ -3,30 +3,34 @@
  *
  * The cells of a march are mostly outside, or open because they are too long.  Floats say so as well as
  * doubles, and twice as many fit a register.  So a march begins with cells whose ends are floats, and goes
- * on in double where floats end (below).  One ray and a batch take the same cells.
+ * on in double where floats end.  One ray and a batch take the same cells.
  *
- * WHAT IS CLAIMED is that no root lies in an outside cell: the test of orbit.h in the formulas of cell.h, with
- * u = 2^-24 in place of 2^-53.  Nothing else is concluded in single precision.  In detail:
+ * WHAT IS CLAIMED is that no root lies in an outside cell.  It is the test of orbit.h, in the formulas of
+ * cell.h, with u = 2^-24 in place of 2^-53.  Nothing else is concluded in single precision.  In detail:
  *
- *     The cell is [tau, end] about m with half its length h, all floats.  h = max(m - tau, end - m) is rounded
- *     by u h at most.
- *     p = h v stands in place of v.  x = |<Q, p>| and y = |p|^2 then are |qv| h and V2 h^2 of cell.h.
- *     Q and p at the first level: start, along, m along, h along and the sum are rounded once each.  So both
- *     together are off by less than 4 u (|start| + (|m| + h) |along|), with what doubles add.  8 u is taken.
- *     A level: e' of cell.h.  A term of it has a part in 10^5 to spare (the square root 4e-5), 100 u and more;
- *     a sum of ten roundings needs 10.
- *     Outside: all rounding is below 64 u (2 + E_1) A2 (cell.h: 12 u of A2 + A sqrt y and less).  `keep`.
- *     E_k: limit and over are enlarged by 2^-19 and 2^-18.  At N <= 16 levels over' = growth over is off by
- *     34 u of itself.
- *     Underflow: |c| is enlarged by 2^-60 in e', and the place by 2^-80.  What underflows is below 2^-120: tau is
- *     in units of 1 over |along|, and no more than 2^60.  Overflow: e is infinite or NaN, and the cell is not outside.
+ *     tau is in units of the power of two at or below 1 over along_size, so the user's units do not matter.
+ *     The cell is [tau, end] about m with half its length h = max(m - tau, end - m), all floats.  h is off by
+ *     u h at most.
+ *     p = h v stands in place of v.  x = |<Q, p>| and y = |p|^2 are |qv| h and V2 h^2 of cell.h.
+ *     Q and p at the first level: start, along, m along, h along and the sum are rounded once each.  Both
+ *     together are off by less than 4 u (|start| + (|m| + h) |along|), beside what doubles add; 8 u is taken.
+ *     A level: e' of cell.h.  Each term of it has a part in 10^5 to spare (the root 4e-5), which is 100 u and
+ *     more.  Ten roundings need 10 u.
+ *     Outside: all rounding is below 64 u (2 + E_1) A2, as in cell.h.  `keep` is 1 less that.
+ *     E_k: over' = growth over is off by 34 u of itself at the last of 16 levels, and is begun 2^-18 too
+ *     large; limit is 2^-19 too large.
+ *     Underflow: e is begun 2^-80 too large, and grows by 2^-60 more at each level.  |along| is at least 1
+ *     in these units, and |tau|, |start| at most 2^60; so what underflows is below 2^-85.  Overflow: e is
+ *     infinite or NaN, and the cell is not outside.
  *
- * THE START is rounded down, so that nothing before the first end is left out, and the end of the ray is
- * rounded up.
+ * THE START is rounded down, so nothing before the first end is left out.  The end of the ray is rounded up.
  *
- * FLOATS END where a cell has to be looked at near the surface (it may be inside or monotone, or meet t_tol),
- * and where the next one would be shorter than 2^32 times the least: the rounding of the place, which
- * grows along the orbit as h v does, is then an eighth of it. */
+ * FLOATS END where a cell has to be looked at near the surface (it may be inside or monotone, or meet
+ * t_tol).  They also end where h is not above 2^32 times the least.  The rounding of Q is then an eighth of
+ * h v, at every level, because both grow alike.  With 2^30 to 2^34 the time is the same within 3 %.
+ *
+ * A march that has gone on in double stays there.  Going back to floats wherever the cells grow long enough
+ * was tried: 4 to 10 % slower, because rays that pass near the surface go to and fro. */
 #ifndef SGT_SURFACE_ORBIT_MARCH_F_H
 #define SGT_SURFACE_ORBIT_MARCH_F_H
 
@@ -77,12 +81,12 @@ typedef struct ray_f {
 } ray_f;
 
 /* x as a float, rounded down; and up. */
-SGT_INLINE float below_f(double x)
+SGT_INLINE float float_below(double x)
 {
     float near = (float)x, less = near - (fabsf(near) * 0x1p-23f + 0x1p-120f);
     return (double)near > x ? less : near;
 }
-SGT_INLINE float above_f(double x) { return -below_f(-x); }
+SGT_INLINE float float_above(double x) { return -float_below(-x); }
 
 /* The unit of tau here: the power of two at or below along_size, and 1 over it. */
 typedef struct unit_f { double of, inverse; } unit_f;
@@ -94,8 +98,8 @@ SGT_INLINE unit_f unit_f_of(double along_size)
     return (unit_f){of.x, inverse.x};
 }
 
-/* at: start and along of a path; size: start_size and along_size; k: the course in double.  If the ray is out
- * of range, tau is NaN, and no cell is laid. */
+/* at: start and along of a path; size: start_size and along_size; k: the course in double.  If the ray is
+ * out of range, tau is NaN, and no cell is laid. */
 SGT_INLINE ray_f ray_f_of(const march_f *w, const quaternion at[2], const double size[2], course k,
                           double t_tol, double least)
 {
@@ -107,8 +111,9 @@ SGT_INLINE ray_f ray_f_of(const march_f *w, const quaternion at[2], const double
                    .la = (float)(at[1].a * unit.inverse), .lb = (float)(at[1].b * unit.inverse),
                    .lc = (float)(at[1].c * unit.inverse), .ld = (float)(at[1].d * unit.inverse),
                    .start_size = (float)size[0], .along_size = (float)(size[1] * unit.inverse),
-                   .tau = fits ? below_f(lo) : (float)NAN, .hi = above_f(hi), .step = (float)(k.h * unit.of),
-                   .growth = (float)k.growth, .side = 0, .evals = 0, .t_tol = (float)(t_tol * unit.of),
+                   .tau = fits ? float_below(lo) : (float)NAN, .hi = float_above(hi),
+                   .step = (float)(k.h * unit.of), .growth = (float)k.growth, .side = 0, .evals = 0,
+                   .t_tol = (float)(t_tol * unit.of),
                    .least = (float)(0x1p32 * (least * unit.of))};
 }
 
@@ -125,13 +130,13 @@ SGT_INLINE course course_after(course k, const ray_f *r, double along_size)
 typedef struct flight_f { float a, b, c, d, pa, pb, pc, pd, e, over, left, verdict; } flight_f;
 
 /* A cell as laid.  odd: CLOSE if it is too short. */
-typedef struct place_f { float m, h, end, odd; } place_f;
+typedef struct cell_f { float m, h, end, odd; } cell_f;
 
-SGT_INLINE place_f lay_f(float tau, float hi, float step)
+SGT_INLINE cell_f lay_f(float tau, float hi, float step)
 {
     float rest = hi - tau, laid = 2 * step > rest ? 0.5f * rest : step, m = tau + laid, end = m + laid,
           before = m - tau, behind = end - m, odd = m > tau ? LIVE : CLOSE;
-    return (place_f){m, before > behind ? before : behind, end, end > m ? odd : CLOSE};
+    return (cell_f){m, before > behind ? before : behind, end, end > m ? odd : CLOSE};
 }
 
 SGT_INLINE flight_f begin_f(const ray_f *r, const march_f *w, float m, float h, float odd)
