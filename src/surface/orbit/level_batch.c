@@ -13,8 +13,8 @@
  * surface.  It goes on when all its lanes are taken, or no ray is left in floats.
  *
  * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 320 x 240 rays, beside the same march all in double:
- * 0.80 of the time with AVX-512 and 0.77 with AVX2 (Zen 4).  At N = 11 it is 0.71 and 0.70, for c = i and N =
- * 16 0.71 and 0.67.  floats_julia takes 32 % of it, look_near_julia 13, stream_settle 12.
+ * 0.77 of the time with AVX-512 and 0.74 with AVX2 (Zen 4).  At N = 11 it is 0.70 and 0.67, for c = i and
+ * N = 16 0.69 and 0.66.  floats_julia takes 32 % of it, look_near_julia 13, stream_settle 12.
  *
  * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.4 times the instructions
  * with AVX2 (a picture of a Julia set and of a Mandelbrot set).
@@ -70,8 +70,8 @@ typedef struct set {
 
 /* A ray in floats (ray_f).  Each number is a row. */
 enum field_f {
-    FSA, FSB, FSC, FSD, FLA, FLB, FLC, FLD, FSTART_SIZE, FALONG_SIZE, FTAU, FHI, FSTEP, FGROWTH, FSIDE, FEVALS,
-    FT_TOL, FLEAST, FIELDS_F
+    FSA, FSB, FSC, FSD, FLA, FLB, FLC, FLD, FSTART_SIZE, FALONG_SIZE, FTAU, FHI, FSTEP, FGROWTH, FSIDE,
+    FEVALS, FT_TOL, FLEAST, FIELDS_F
 };
 
 /* The march in floats (march_f.h).  f: the ray as double takes it over. */
@@ -152,9 +152,9 @@ enum { STAY, MISSED, NEAR, SPENT };
 /* Lays the next cell if the last is decided, and takes it three levels further. */
 SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 {
-    const ray_f r = {.sa = s->r[FSA][l], .sb = s->r[FSB][l], .sc = s->r[FSC][l], .sd = s->r[FSD][l], .la = s->r[FLA][l],
-                     .lb = s->r[FLB][l], .lc = s->r[FLC][l], .ld = s->r[FLD][l], .start_size = s->r[FSTART_SIZE][l],
-                     .along_size = s->r[FALONG_SIZE][l]};
+    const ray_f r = {.sa = s->r[FSA][l], .sb = s->r[FSB][l], .sc = s->r[FSC][l], .sd = s->r[FSD][l],
+                     .la = s->r[FLA][l], .lb = s->r[FLB][l], .lc = s->r[FLC][l], .ld = s->r[FLD][l],
+                     .start_size = s->r[FSTART_SIZE][l], .along_size = s->r[FALONG_SIZE][l]};
     flight_f f = {s->a[l], s->b[l], s->c[l], s->d[l], s->pa[l], s->pb[l], s->pc[l], s->pd[l], s->e[l],
                   s->over[l], s->left[l], s->verdict[l]};
     const cell_f next = lay_f(s->r[FTAU][l], s->r[FHI][l], s->r[FSTEP][l]);
@@ -180,9 +180,10 @@ SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
 SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
 {
     float verdict = s->verdict[l], h = s->h[l], end = s->end[l], tau = s->r[FTAU][l], hi = s->r[FHI][l],
-          step = s->r[FSTEP][l], growth = s->r[FGROWTH][l], side = s->r[FSIDE][l], evals = s->r[FEVALS][l],
-          longer = grown_f(growth), shorter = shrunk_f(growth);
-    float fine = h > shortest_f(verdict, side, s->r[FT_TOL][l], s->r[FLEAST][l], w.E2) ? verdict : CLOSE;
+          step = s->r[FSTEP][l], growth = s->r[FGROWTH][l], side = s->r[FSIDE][l],
+          evals = s->r[FEVALS][l], longer = grown_f(growth), shorter = shrunk_f(growth),
+          shortest = shortest_f(verdict, side, s->r[FT_TOL][l], s->r[FLEAST][l], w.E2);
+    float fine = h > shortest ? verdict : CLOSE;
     verdict = verdict <= CLOSE ? verdict : fine;
     bool out = verdict == OUT, shut = !(verdict <= CLOSE);
     step = shut ? h * 0.5f : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
@@ -191,8 +192,8 @@ SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
     float leave = evals >= w.budget ? NEAR : STAY, last = tau < hi ? leave : MISSED;
     leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave;
     leave = verdict <= LIVE ? STAY : leave;
-    s->r[FTAU][l] = tau, s->r[FSTEP][l] = step, s->r[FGROWTH][l] = growth, s->r[FSIDE][l] = side, s->r[FEVALS][l] = evals;
-    s->leave[l] = leave;
+    s->r[FTAU][l] = tau, s->r[FSTEP][l] = step, s->r[FGROWTH][l] = growth, s->r[FSIDE][l] = side;
+    s->r[FEVALS][l] = evals, s->leave[l] = leave;
     return leave;
 }
 
@@ -529,10 +530,8 @@ SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 /* Makes ray `at` of the tile ready as number i of those that wait.  Returns 1 if it is ready, 0 if it
  * misses, -1 if it is invalid or out of range. */
 SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const double *t_tol, size_t at,
-                             const orbit *o, double radius, const set *set)
+                             const orbit *o, double radius, double dt_min)
 {
-    const double dt_min = set->dt_min;
-    const march_f *floats = &set->floats;
     sgt_ray ray = ray_at(rays, at);
     double finite = ((ray.o.x - ray.o.x) + (ray.o.y - ray.o.y) + (ray.o.z - ray.o.z)) +
                     ((ray.d.x - ray.d.x) + (ray.d.y - ray.d.y) + (ray.d.z - ray.d.z));
@@ -565,14 +564,6 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     s->f[H][i] = fast ? lo : k.h, s->f[GROWTH][i] = fast ? (double)NAN : k.growth,
     s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
     s->f[T_TOL][i] = t_tol[at] / q.scale, s->f[LEAST][i] = least;
-    const quaternion line[2] = {w.start, w.along};
-    const double size[2] = {w.start_size, w.along_size};
-    const ray_f r = ray_f_of(floats, line, size, k, t_tol[at] / q.scale, least);
-    s->r[FSA][i] = r.sa, s->r[FSB][i] = r.sb, s->r[FSC][i] = r.sc, s->r[FSD][i] = r.sd;
-    s->r[FLA][i] = r.la, s->r[FLB][i] = r.lb, s->r[FLC][i] = r.lc, s->r[FLD][i] = r.ld;
-    s->r[FSTART_SIZE][i] = r.start_size, s->r[FALONG_SIZE][i] = r.along_size;
-    s->r[FTAU][i] = r.tau, s->r[FHI][i] = r.hi, s->r[FSTEP][i] = r.step, s->r[FGROWTH][i] = r.growth;
-    s->r[FSIDE][i] = r.side, s->r[FEVALS][i] = r.evals, s->r[FT_TOL][i] = r.t_tol, s->r[FLEAST][i] = r.least;
     return fits;
 }
 
@@ -581,10 +572,32 @@ SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile
 {
     const orbit o = *w->o;
     const sgt_rays rays = tile->rays;
-    const double radius = w->escape.limit + w->escape.over, *t_tol = tile->t_tol;
-    const set shared = *w;
+    const double radius = w->escape.limit + w->escape.over, *t_tol = tile->t_tol, dt_min = w->dt_min;
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, &shared);
+    for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, dt_min);
+}
+
+/* Then for floats. */
+SGT_INLINE void make_ready_f(waiting *s, size_t i, const march_f *w)
+{
+    const quaternion at[2] = {{s->f[SA][i], s->f[SB][i], s->f[SC][i], s->f[SD][i]},
+                              {s->f[LA][i], s->f[LB][i], s->f[LC][i], s->f[LD][i]}};
+    const double size[2] = {s->f[START_SIZE][i], s->f[ALONG_SIZE][i]};
+    const course k = {s->f[TAU][i], s->f[HI][i], s->f[H][i], s->f[GROWTH][i], 0};
+    const ray_f r = ray_f_of(w, at, size, k, s->f[T_TOL][i], s->f[LEAST][i]);
+    s->r[FSA][i] = r.sa, s->r[FSB][i] = r.sb, s->r[FSC][i] = r.sc, s->r[FSD][i] = r.sd;
+    s->r[FLA][i] = r.la, s->r[FLB][i] = r.lb, s->r[FLC][i] = r.lc, s->r[FLD][i] = r.ld;
+    s->r[FSTART_SIZE][i] = r.start_size, s->r[FALONG_SIZE][i] = r.along_size;
+    s->r[FTAU][i] = r.tau, s->r[FHI][i] = r.hi, s->r[FSTEP][i] = r.step, s->r[FGROWTH][i] = r.growth;
+    s->r[FSIDE][i] = r.side, s->r[FEVALS][i] = r.evals, s->r[FT_TOL][i] = r.t_tol;
+    s->r[FLEAST][i] = r.least;
+}
+
+SGT_KERNEL static void make_all_ready_f(waiting *s, const march_f *w)
+{
+    const march_f own = *w;
+#pragma omp simd
+    for (size_t i = 0; i < WAITING; i++) make_ready_f(s, i, &own);
 }
 
 /* Makes the next rays ready. */
@@ -594,6 +607,7 @@ static void set_up(job *j)
     size_t n = j->tile->n - j->next < WAITING ? j->tile->n - j->next : WAITING;
     double verdict[WAITING];
     make_all_ready(s, n, j->tile, j->next, j->set, verdict);
+    make_all_ready_f(s, &j->set->floats);
     s->count = 0;
     for (size_t i = 0; i < n; i++) {
         s->f[RAY][i] = (double)(j->next + i);
@@ -1028,11 +1042,12 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     if (w.proof) own.t_tol = rounding_only;
     w.floats = march_f_of(o, &w.path, w.budget);
     memset(&close, 0, sizeof close);
+    memset(&waits, 0, sizeof waits);
     close.free = (1U << WIDTH) - 1;
     memset(&s, 0, sizeof s);
     memset(&floats, 0, sizeof floats);
     memset(&met, 0, sizeof met);
-    waits.count = back.count = 0;
+    back.count = 0;
     int afloat = 0;
     for (int l = 0; l < LANES && !(w.dt_min > 0); l++) afloat += floats_fill(&j, l);
     fill_idle(&j, true);
