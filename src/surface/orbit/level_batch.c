@@ -14,10 +14,10 @@
  *
  * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 320 x 240 rays, beside the same march all in double:
  * 0.77 of the time with AVX-512 and 0.74 with AVX2 (Zen 4).  At N = 11 it is 0.70 and 0.67, for c = i and
- * N = 16 0.69 and 0.66.  floats_julia takes 32 % of it, look_near_julia 13, stream_settle 12.
+ * N = 16 0.69 and 0.66.  floats_julia takes 34 % of it, look_near_julia 14, stream_settle 12.
  *
- * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.4 times the instructions
- * with AVX2 (a picture of a Julia set and of a Mandelbrot set).
+ * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.3 and 2.7 times the
+ * instructions with AVX2 (a picture of a Julia set and of a Mandelbrot set).
  *
  * THE FAST WAY.  An estimate is a short orbit with much work after it, so the lanes take whole orbits
  * together.  A change of sign goes to `near`.
