@@ -33,7 +33,7 @@ ARRAYS = 180  # instructions that read a ray from arrays and write its hit to ot
 SKIPPED = 77
 NOT_COUNTED = re.compile(r'/(libc|ld-linux)[-.\w]*$')
 PROCESSOR = 'skylake-avx512'
-KERNELS = re.compile(r'((conic|asphere)_lanes|newton_step|march_step)\w*|(look_near|meet|advance)_julia|(launch|return)_all')
+KERNELS = re.compile(r'((conic|asphere)_lanes|newton_step|march_step)\w*|(look_near|meet|advance|floats)_julia|(launch|return)_all')
 
 
 def run(*command, **more):

@@ -42,7 +42,7 @@
  * parts may be skipped. */
 #include "level.h"
 
-#include "course.h"
+#include "march_f.h"
 #include "../../solve/root.h"
 #include "../builtin.h"
 
@@ -323,13 +323,129 @@ SGT_INLINE cells_kind level_classify(void *self, cells *c)
     return CELLS_MONOTONE;
 }
 
+/* ----------------------------------------------------- its beginning, in floats */
+
+enum { AHEAD_F = 8 };
+
+/* The cells that a march in floats may need next, looked at together. */
+typedef struct ahead_f {
+    float tau[AHEAD_F], step[AHEAD_F], growth[AHEAD_F];
+    float m[AHEAD_F], h[AHEAD_F], end[AHEAD_F], odd[AHEAD_F], verdict[AHEAD_F];
+    float a[AHEAD_F], b[AHEAD_F], c[AHEAD_F], d[AHEAD_F], pa[AHEAD_F], pb[AHEAD_F], pc[AHEAD_F], pd[AHEAD_F],
+        e[AHEAD_F], over[AHEAD_F], left[AHEAD_F];
+} ahead_f;
+
+/* Four cells, one behind another; and for each the shorter one, if it is open. */
+static int next_ahead(const ahead_f *s, int i)
+{
+    return s->verdict[i] != OUT && i < 4 ? i + 4 : i < 3 ? i + 1 : -1;
+}
+
+/* Is the first cell on the way that is not decided on its way still? */
+static bool ahead_waits(const ahead_f *s)
+{
+    int i = 0;
+    while (i >= 0 && s->verdict[i] != LIVE && s->verdict[i] != CLOSE) i = next_ahead(s, i);
+    return i >= 0 && s->verdict[i] == LIVE;
+}
+
+SGT_INLINE void look_ahead(ahead_f *s, const ray_f *ray, const march_f *set, bool mandelbrot)
+{
+    const ray_f r = *ray;
+    const march_f w = *set;
+#pragma omp simd
+    for (int l = 0; l < AHEAD_F; l++) {
+        flight_f f = begin_f(&r, &w, s->m[l], s->h[l], s->odd[l]);
+        s->a[l] = f.a, s->b[l] = f.b, s->c[l] = f.c, s->d[l] = f.d, s->pa[l] = f.pa, s->pb[l] = f.pb,
+        s->pc[l] = f.pc, s->pd[l] = f.pd;
+        s->e[l] = f.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict;
+    }
+    do {
+#pragma omp simd
+        for (int l = 0; l < AHEAD_F; l++) {
+            flight_f f = {s->a[l], s->b[l], s->c[l], s->d[l], s->pa[l], s->pb[l], s->pc[l], s->pd[l], s->e[l],
+                          s->over[l], s->left[l], s->verdict[l]}, n = f;
+            if (mandelbrot) n = begin_f(&r, &w, s->m[l], s->h[l], s->odd[l]);
+            on_a_level_f(&f, &n, &w, mandelbrot);
+            on_a_level_f(&f, &n, &w, mandelbrot);
+            s->a[l] = f.a, s->b[l] = f.b, s->c[l] = f.c, s->d[l] = f.d, s->pa[l] = f.pa, s->pb[l] = f.pb,
+            s->pc[l] = f.pc, s->pd[l] = f.pd;
+            s->e[l] = f.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict;
+        }
+    } while (ahead_waits(s));
+}
+
+SGT_KERNEL static void ahead_julia(ahead_f *s, const ray_f *r, const march_f *w)
+{
+    look_ahead(s, r, w, false);
+}
+SGT_KERNEL static void ahead_mandelbrot(ahead_f *s, const ray_f *r, const march_f *w)
+{
+    look_ahead(s, r, w, true);
+}
+
+/* Lays cell 0 and those that may follow. */
+static void lay_ahead(ahead_f *s, const ray_f *r)
+{
+    float tau = r->tau, step = r->step, growth = r->growth, hi = r->hi;
+    for (int i = 0; i < 4; i++) {
+        const cell_f at = lay_f(tau, hi, step);
+        s->tau[i] = tau, s->step[i] = step, s->growth[i] = growth;
+        s->m[i] = at.m, s->h[i] = at.h, s->end[i] = at.end, s->odd[i] = at.odd;
+        growth = grown_f(growth), tau = at.end, step = at.h * growth;
+    }
+#pragma omp simd
+    for (int i = 0; i < 4; i++) {
+        float half = s->h[i] * 0.5f;
+        const cell_f at = lay_f(s->tau[i], hi, half);
+        s->tau[i + 4] = s->tau[i], s->step[i + 4] = half, s->growth[i + 4] = shrunk_f(s->growth[i]);
+        s->m[i + 4] = at.m, s->h[i + 4] = at.h, s->end[i + 4] = at.end, s->odd[i + 4] = at.odd;
+    }
+}
+
+/* Uses the looks.  Returns false if the march in floats is over. */
+static bool settle_ahead(level_walk *w, const ahead_f *s, ray_f *r, const march_f *set, double hi)
+{
+    const double unit = unit_f_of(w->path.along_size).inverse;
+    for (int i = 0; i >= 0; i = next_ahead(s, i)) {
+        float verdict = s->verdict[i], h = s->h[i];
+        bool out = verdict == OUT;
+        if (verdict == LIVE) return true;
+        if (verdict == CLOSE) return false;
+        if (!out && !(h > shortest_f(verdict, r->side, r->t_tol, r->least, set->E2))) return false;
+        look_on(w, SGT_MARCH, (double)s->m[i] * unit, (double)s->tau[i] * unit, hi);
+        r->evals += 1, r->growth = out ? grown_f(s->growth[i]) : shrunk_f(s->growth[i]);
+        r->step = h * (out ? r->growth : 0.5f);
+        if (out) r->tau = s->end[i], r->side = 1;
+        if (!(r->tau < r->hi) || r->evals >= set->budget || w->done) return false;
+    }
+    return true;
+}
+
+/* The march as far as floats go (march_f.h).  Returns the course from there. */
+static course march_in_floats(level_walk *w, course k)
+{
+    const march_f set = march_f_of(w->orbit, &w->path, w->told.budget);
+    const quaternion at[2] = {w->path.start, w->path.along};
+    const double size[2] = {w->path.start_size, w->path.along_size};
+    ray_f r = ray_f_of(&set, at, size, k, w->t_tol, w->least);
+    ahead_f s;
+    for (bool on = r.tau < r.hi && !spent(&w->told); on; on = settle_ahead(w, &s, &r, &set, k.hi)) {
+        lay_ahead(&s, &r);
+        (w->path.mandelbrot ? ahead_mandelbrot : ahead_julia)(&s, &r, &set);
+    }
+    return course_after(k, &r, size[1]);
+}
+
 /* The march over [lo, hi] of a chord that begins at `start`. */
 static void level_march(level_walk *w, double start, double lo, double hi)
 {
     ahead near;
     for (int i = 0; i < 4; i++) near.known[i] = false;
     level_cells s = {.w = w, .near = &near};
-    cells c = {.k = first_course(start, lo, hi), .back = lo, .leap = 1};
+    course k = first_course(start, lo, hi);
+    if (w->path.power == 2 && w->path.iterations <= MOST_LEVELS) k = march_in_floats(w, k);
+    cells c = {.k = k, .back = lo, .leap = 1};
     cells_march(&c, &s, (cells_ops){level_over, level_classify, level_turn, level_sign, level_dark});
     double from = cells_reached(&c);
     if (w->told.stopped) level_stretch(w, SGT_STOPPED, from, hi);

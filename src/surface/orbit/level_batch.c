@@ -2,19 +2,22 @@
 /* level_batch.c - first hits of many rays on a level set with p = 2: the march of level.c, one ray in each
  * lane.
  *
- * THE STREAM.  Each lane carries the current cell of one ray at its own level of the orbit, with its own
- * E_k.  One step takes every lane one level further.  An outside cell is followed by the next, an open one
- * by a shorter one, in vector code without a branch.  If something is rare or near the surface, the ray
+ * IN FLOATS the march begins (march_f.h).  Each lane carries the current cell of one ray at its own level of
+ * the orbit, with its own E_k.  One step takes every lane one level further.  An outside cell is followed by
+ * the next, an open one by a shorter one, in vector code without a branch.  Where floats end, the ray
  * leaves its lane, and the lane takes the next ray.  A decided cell waits until its lane's pulse of levels
- * ends.  A longer pulse leaves more lanes idle; a shorter one needs more control.
+ * ends.  A longer pulse leaves more lanes idle; a shorter one needs more control.  Three levels take 2 to
+ * 6 % less time than two.
  *
- * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray; 83 levels
- * (Q_0 and cells looked at twice included); 92 % of the lanes' levels spent on cells not yet decided.  The
- * cost is the number of vector instructions: two a cycle of 512 bits, some 95 a level and 120 a pulse.
+ * THE STREAM is the same march in double, with pulses of two levels.  It takes rays that come back from the
+ * surface.  It goes on when all its lanes are taken, or no ray is left in floats.
  *
- * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.1 times as long with
- * AVX-512, 1.6 to 1.8 times the instructions with AVX2 (2000 and 300 rays of a picture of a Julia set and of
- * a Mandelbrot set; the times are ratios in one run).
+ * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 320 x 240 rays, beside the same march all in double:
+ * 0.77 of the time with AVX-512 and 0.74 with AVX2 (Zen 4).  At N = 11 it is 0.70 and 0.67, for c = i and
+ * N = 16 0.69 and 0.66.  floats_julia takes 34 % of it, look_near_julia 14, stream_settle 12.
+ *
+ * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.3 and 2.7 times the
+ * instructions with AVX2 (a picture of a Julia set and of a Mandelbrot set).
  *
  * THE FAST WAY.  An estimate is a short orbit with much work after it, so the lanes take whole orbits
  * together.  A change of sign goes to `near`.
@@ -32,16 +35,11 @@
  * single ray, bit for bit: both use the formulas of cell.h and course.h. */
 #include "level.h"
 
-#include "course.h"
+#include "march_f.h"
 #include "../../solve/root.h"
 
-enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
-
-/* For a benchmark: a lane takes a level of the orbit.  It is busy with a cell that is not decided, or
- * idle. */
-#ifndef SGT_COUNT_LEVEL
-#define SGT_COUNT_LEVEL(busy) ((void)0)
-#endif
+/* LANES: of the march in floats.  WIDTH: of that in double. */
+enum { LANES = 32, WIDTH = 16, WAITING = 8, HITS = 8 };
 
 /* A ray in its march.  Each number is a row. */
 enum field {
@@ -49,10 +47,41 @@ enum field {
     LEAST_STEP, RAY, FIELDS
 };
 
+/* Copies a ray to a column of another width. */
+SGT_INLINE void move_ray(double *to, int to_width, const double *from, int width)
+{
+    for (int i = 0; i < FIELDS; i += 4, to += 4 * to_width, from += 4 * width) {
+        double a = from[0], b = from[width], c = from[2 * width], d = from[3 * width];
+        to[0] = a, to[to_width] = b, to[2 * to_width] = c, to[3 * to_width] = d;
+    }
+}
+
 /* On the fast way: where F was last evaluated, F there, and 1 over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
 
-typedef struct set { const orbit *o; path path; escape escape; double E2, budget, dt_min; bool proof; } set;
+typedef struct set {
+    const orbit *o;
+    path path;
+    escape escape;
+    double E2, budget, dt_min;
+    bool proof;
+    march_f floats;
+} set;
+
+/* A ray in floats (ray_f).  Each number is a row. */
+enum field_f {
+    FSA, FSB, FSC, FSD, FLA, FLB, FLC, FLD, FSTART_SIZE, FALONG_SIZE, FTAU, FHI, FSTEP, FGROWTH, FSIDE,
+    FEVALS, FT_TOL, FLEAST, FIELDS_F
+};
+
+/* The march in floats (march_f.h).  f: the ray as double takes it over. */
+typedef struct stream_f {
+    double f[FIELDS][LANES];
+    float r[FIELDS_F][LANES];
+    float a[LANES], b[LANES], c[LANES], d[LANES], pa[LANES], pb[LANES], pc[LANES], pd[LANES], e[LANES],
+        over[LANES], left[LANES], verdict[LANES];
+    float m[LANES], h[LANES], end[LANES], leave[LANES];
+} stream_f;
 
 /* m, h, end: the cell.  verdict: see LIVE below.  leave: see go_on. */
 typedef struct stream {
@@ -76,9 +105,14 @@ typedef struct near {
     cell_place at[WIDTH];
     errand task[WIDTH];
     int count;
+    unsigned free; /* a bit for each lane without a ray */
 } near;
 
-typedef struct waiting { double f[FIELDS][WAITING]; int order[WAITING], count; } waiting;
+typedef struct waiting {
+    double f[FIELDS][WAITING];
+    float r[FIELDS_F][WAITING];
+    int order[WAITING], count;
+} waiting;
 
 /* Rays on their way back to the stream.  They are at most those near the surface and among the hits. */
 enum { MOST_BACK = WIDTH + HITS };
@@ -100,29 +134,97 @@ typedef struct job {
     set *set; /* the ray of its path changes */
     const sgt_tile *tile;
     size_t next, hard;
+    int busy; /* lanes of the stream with a ray */
     waiting *waiting;
     returned *back;
     near *near;
+    stream_f *floats;
     stream *stream;
     hits *hits;
 } job;
 
 /* ------------------------------------------------------------------ the stream */
 
+/* STAY: the ray stays in its lane.  MISSED: the end of the ray is reached.  NEAR: the cell at tau has to be
+ * looked at near the surface.  SPENT: the budget is. */
 enum { STAY, MISSED, NEAR, SPENT };
+
+/* Lays the next cell if the last is decided, and takes it three levels further. */
+SGT_INLINE void fly_f(stream_f *s, int l, const march_f *w, bool mandelbrot)
+{
+    const ray_f r = {.sa = s->r[FSA][l], .sb = s->r[FSB][l], .sc = s->r[FSC][l], .sd = s->r[FSD][l],
+                     .la = s->r[FLA][l], .lb = s->r[FLB][l], .lc = s->r[FLC][l], .ld = s->r[FLD][l],
+                     .start_size = s->r[FSTART_SIZE][l], .along_size = s->r[FALONG_SIZE][l]};
+    flight_f f = {s->a[l], s->b[l], s->c[l], s->d[l], s->pa[l], s->pb[l], s->pc[l], s->pd[l], s->e[l],
+                  s->over[l], s->left[l], s->verdict[l]};
+    const cell_f next = lay_f(s->r[FTAU][l], s->r[FHI][l], s->r[FSTEP][l]);
+    bool live = f.verdict <= LIVE;
+    float old_m = s->m[l], old_h = s->h[l], old_end = s->end[l], m = live ? old_m : next.m,
+          h = live ? old_h : next.h, end = live ? old_end : next.end;
+    const flight_f n = begin_f(&r, w, m, h, next.odd);
+    f.a = live ? f.a : n.a, f.b = live ? f.b : n.b, f.c = live ? f.c : n.c, f.d = live ? f.d : n.d;
+    f.pa = live ? f.pa : n.pa, f.pb = live ? f.pb : n.pb, f.pc = live ? f.pc : n.pc,
+    f.pd = live ? f.pd : n.pd;
+    f.e = live ? f.e : n.e, f.over = live ? f.over : n.over, f.left = live ? f.left : n.left,
+    f.verdict = live ? f.verdict : n.verdict;
+    on_a_level_f(&f, &n, w, mandelbrot);
+    on_a_level_f(&f, &n, w, mandelbrot);
+    on_a_level_f(&f, &n, w, mandelbrot);
+    s->a[l] = f.a, s->b[l] = f.b, s->c[l] = f.c, s->d[l] = f.d, s->pa[l] = f.pa, s->pb[l] = f.pb,
+    s->pc[l] = f.pc, s->pd[l] = f.pd;
+    s->e[l] = f.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict, s->m[l] = m,
+    s->h[l] = h, s->end[l] = end;
+}
+
+/* What follows for decided cells. */
+SGT_INLINE float settle_f(stream_f *s, int l, const march_f w)
+{
+    float verdict = s->verdict[l], h = s->h[l], end = s->end[l], tau = s->r[FTAU][l], hi = s->r[FHI][l],
+          step = s->r[FSTEP][l], growth = s->r[FGROWTH][l], side = s->r[FSIDE][l],
+          evals = s->r[FEVALS][l], longer = grown_f(growth), shorter = shrunk_f(growth),
+          shortest = shortest_f(verdict, side, s->r[FT_TOL][l], s->r[FLEAST][l], w.E2);
+    float fine = h > shortest ? verdict : CLOSE;
+    verdict = verdict <= CLOSE ? verdict : fine;
+    bool out = verdict == OUT, shut = !(verdict <= CLOSE);
+    step = shut ? h * 0.5f : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
+    step = out ? h * longer : step, growth = out ? longer : growth, evals = out ? evals + 1 : evals;
+    tau = out ? end : tau, side = out ? 1 : side;
+    float leave = evals >= w.budget ? NEAR : STAY, last = tau < hi ? leave : MISSED;
+    leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave;
+    leave = verdict <= LIVE ? STAY : leave;
+    s->r[FTAU][l] = tau, s->r[FSTEP][l] = step, s->r[FGROWTH][l] = growth, s->r[FSIDE][l] = side;
+    s->r[FEVALS][l] = evals, s->leave[l] = leave;
+    return leave;
+}
+
+/* A bit for each lane that leaves. */
+SGT_INLINE unsigned leaving_of(const float *leave)
+{
+    unsigned which = 0;
+    for (int l = 0; l < LANES; l++) which |= (leave[l] > 0 ? 1U : 0U) << l;
+    return which;
+}
+
+/* Advances all lanes until one leaves. */
+SGT_INLINE unsigned advance_floats(stream_f *s, const set *o, bool mandelbrot)
+{
+    const march_f w = o->floats;
+    float leaving = 0;
+    do {
+#pragma omp simd
+        for (int l = 0; l < LANES; l++) fly_f(s, l, &w, mandelbrot);
+        leaving = 0;
+#pragma omp simd reduction(+ : leaving)
+        for (int l = 0; l < LANES; l++) leaving += settle_f(s, l, w);
+    } while (leaving == 0);
+    return leaving_of(s->leave);
+}
+
+SGT_KERNEL static unsigned floats_julia(stream_f *s, const set *w) { return advance_floats(s, w, false); }
+SGT_KERNEL static unsigned floats_mandelbrot(stream_f *s, const set *w) { return advance_floats(s, w, true); }
 
 /* What all lanes share. */
 typedef struct shared { quaternion c; circle near; double limit, over, growth, E2, levels, budget; } shared;
-
-/* The verdict on a cell:
- *
- *   LIVE   not decided
- *   OUT    outside
- *   CLOSE  to be looked at near the surface
- *
- * Any other verdict (NaN too) means none of these, and not monotone.  It is |Q_N|^2, or infinite where the
- * orbit escaped before.  A lane without a ray is LIVE, with NaN everywhere. */
-enum { LIVE = -3, OUT, CLOSE };
 
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
@@ -211,7 +313,7 @@ SGT_INLINE double go_on(stream *s, int l, const shared w)
 }
 
 /* A bit for each lane that leaves. */
-SGT_INLINE unsigned leaving_of(const stream *s)
+SGT_INLINE unsigned leaving_lanes(const stream *s)
 {
     unsigned which = 0;
     for (int l = 0; l < WIDTH; l++) which |= (s->leave[l] > 0 ? 1U : 0U) << l;
@@ -231,7 +333,7 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += go_on(s, l, w);
     } while (leaving == 0);
-    return leaving_of(s);
+    return leaving_lanes(s);
 }
 
 /* Advances all lanes until one leaves. */
@@ -304,7 +406,7 @@ SGT_INLINE unsigned advance_fast(stream *s, const set *w, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += end_estimate(s, l, e, budget);
     } while (leaving == 0);
-    return leaving_of(s);
+    return leaving_lanes(s);
 }
 
 SGT_KERNEL static unsigned fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
@@ -329,7 +431,7 @@ SGT_INLINE void begin_near(near *s, int l)
  * infinite at level N. */
 SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle o)
 {
-    SGT_COUNT_LEVEL(l < s->count && s->live[l] > 0);
+    SGT_COUNT_LEVEL((s->free >> l & 1) == 0 && s->live[l] > 0);
     double h = s->h[l], live = s->live[l], out = s->out[l], A, room;
     one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l],
              .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]};
@@ -386,23 +488,23 @@ SGT_INLINE void look_near(near *s, const set *w, bool mandelbrot)
 {
     const quaternion c = w->path.c;
     const circle o = circle_of(&w->path);
-    const int n = w->path.iterations, count = (s->count + 7) & ~7;
+    const int n = w->path.iterations;
 #pragma omp simd
-    for (int l = 0; l < count; l++) begin_near(s, l);
+    for (int l = 0; l < WIDTH; l++) begin_near(s, l);
     for (int k = mandelbrot ? 1 : 0; k < n; k++) {
         double E = w->path.escape[k];
 #pragma omp simd
-        for (int l = 0; l < count; l++) {
+        for (int l = 0; l < WIDTH; l++) {
             look_at_level(s, l, E, o.far, o);
             next_level(s, l, c, o, mandelbrot);
         }
     }
     double E = w->path.escape[n];
 #pragma omp simd
-    for (int l = 0; l < count; l++) look_at_level(s, l, E, HUGE_VAL, o);
+    for (int l = 0; l < WIDTH; l++) look_at_level(s, l, E, HUGE_VAL, o);
     double E_n = w->path.E, E_err = w->path.E_err, E2 = w->E2;
 #pragma omp simd
-    for (int l = 0; l < count; l++) judge_near(s, l, E_n, E_err, E2);
+    for (int l = 0; l < WIDTH; l++) judge_near(s, l, E_n, E_err, E2);
 }
 
 SGT_KERNEL static void look_near_julia(near *s, const set *w) { look_near(s, w, false); }
@@ -475,6 +577,29 @@ SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile
     for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, dt_min);
 }
 
+/* Then for floats. */
+SGT_INLINE void make_ready_f(waiting *s, size_t i, const march_f *w)
+{
+    const quaternion at[2] = {{s->f[SA][i], s->f[SB][i], s->f[SC][i], s->f[SD][i]},
+                              {s->f[LA][i], s->f[LB][i], s->f[LC][i], s->f[LD][i]}};
+    const double size[2] = {s->f[START_SIZE][i], s->f[ALONG_SIZE][i]};
+    const course k = {s->f[TAU][i], s->f[HI][i], s->f[H][i], s->f[GROWTH][i], 0};
+    const ray_f r = ray_f_of(w, at, size, k, s->f[T_TOL][i], s->f[LEAST][i]);
+    s->r[FSA][i] = r.sa, s->r[FSB][i] = r.sb, s->r[FSC][i] = r.sc, s->r[FSD][i] = r.sd;
+    s->r[FLA][i] = r.la, s->r[FLB][i] = r.lb, s->r[FLC][i] = r.lc, s->r[FLD][i] = r.ld;
+    s->r[FSTART_SIZE][i] = r.start_size, s->r[FALONG_SIZE][i] = r.along_size;
+    s->r[FTAU][i] = r.tau, s->r[FHI][i] = r.hi, s->r[FSTEP][i] = r.step, s->r[FGROWTH][i] = r.growth;
+    s->r[FSIDE][i] = r.side, s->r[FEVALS][i] = r.evals, s->r[FT_TOL][i] = r.t_tol;
+    s->r[FLEAST][i] = r.least;
+}
+
+SGT_KERNEL static void make_all_ready_f(waiting *s, const march_f *w)
+{
+    const march_f own = *w;
+#pragma omp simd
+    for (size_t i = 0; i < WAITING; i++) make_ready_f(s, i, &own);
+}
+
 /* Makes the next rays ready. */
 static void set_up(job *j)
 {
@@ -482,6 +607,7 @@ static void set_up(job *j)
     size_t n = j->tile->n - j->next < WAITING ? j->tile->n - j->next : WAITING;
     double verdict[WAITING];
     make_all_ready(s, n, j->tile, j->next, j->set, verdict);
+    make_all_ready_f(s, &j->set->floats);
     s->count = 0;
     for (size_t i = 0; i < n; i++) {
         s->f[RAY][i] = (double)(j->next + i);
@@ -492,24 +618,46 @@ static void set_up(job *j)
     j->next += n;
 }
 
-/* Gives the next ray to lane l of the stream.  Returns false if there is none: the lane is idle. */
+/* Is there a ray that waits for its march to begin? */
+static bool one_waits(job *j)
+{
+    while (j->waiting->count == 0 && j->next < j->tile->n) set_up(j);
+    return j->waiting->count > 0;
+}
+
+/* Gives the next ray to lane l of the march in floats.  Returns false if there is none. */
+static bool floats_fill(job *j, int l)
+{
+    stream_f *s = j->floats;
+    waiting *w = j->waiting;
+    s->verdict[l] = IDLE;
+    if (!one_waits(j)) return false;
+    int from = w->order[--w->count];
+    move_ray(s->f[0] + l, LANES, w->f[0] + from, WAITING);
+    for (int i = 0; i < FIELDS_F; i += 3) {
+        float a = w->r[i][from], b = w->r[i + 1][from], c = w->r[i + 2][from];
+        s->r[i][l] = a, s->r[i + 1][l] = b, s->r[i + 2][l] = c;
+    }
+    s->verdict[l] = OUT;
+    return true;
+}
+
+/* Gives the next ray to lane l of the stream: one that comes back or, on the fast way, one that waits.
+ * Returns false if there is none: the lane is idle. */
 static bool stream_fill(job *j, int l)
 {
     stream *s = j->stream;
     s->verdict[l] = OUT;
     if (j->back->count) {
-        int from = --j->back->count;
-        for (int i = 0; i < FIELDS; i++) s->f[i][l] = j->back->f[i][from];
+        move_ray(s->f[0] + l, WIDTH, j->back->f[0] + --j->back->count, MOST_BACK);
         return true;
     }
-    while (j->waiting->count == 0 && j->next < j->tile->n) set_up(j);
-    if (j->waiting->count == 0) {
+    if (!(j->set->dt_min > 0) || !one_waits(j)) {
         for (int i = 0; i < FIELDS; i++) s->f[i][l] = i == RAY ? -1 : 1;
         s->verdict[l] = LIVE, s->left[l] = HUGE_VAL, s->a[l] = s->b[l] = s->c[l] = s->d[l] = NAN;
         return false;
     }
-    int from = j->waiting->order[--j->waiting->count];
-    for (int i = 0; i < FIELDS; i++) s->f[i][l] = j->waiting->f[i][from];
+    move_ray(s->f[0] + l, WIDTH, j->waiting->f[0] + j->waiting->order[--j->waiting->count], WAITING);
     return true;
 }
 
@@ -618,8 +766,7 @@ static void go_back(job *j, const double f[], int apart)
         write_without(&j->tile->hits, i, SGT_MISS, (int)f[EVALS * apart]);
     } else {
         returned *back = j->back;
-        for (int k = 0; k < FIELDS; k++) back->f[k][back->count] = f[k * apart];
-        back->count++;
+        move_ray(back->f[0] + back->count++, MOST_BACK, f, apart);
     }
 }
 
@@ -675,7 +822,7 @@ static void add_hit_at(job *j, int from, double tau, double tau_err)
     hits *s = j->hits;
     size_t l = s->count++, i = (size_t)at->f[RAY][from];
     sgt_ray ray = ray_at(&j->tile->rays, i);
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = at->f[f][from];
+    move_ray(s->f[0] + l, HITS, at->f[0] + from, WIDTH);
     s->f[EVALS][l] += 1;
     s->o[0][l] = ray.o.x, s->o[1][l] = ray.o.y, s->o[2][l] = ray.o.z, s->d[0][l] = ray.d.x,
     s->d[1][l] = ray.d.y, s->d[2][l] = ray.d.z;
@@ -744,23 +891,41 @@ static bool stream_settle(job *j, int l)
     return false;
 }
 
-/* Looks at all cells near the surface.  Those whose rays leave make room. */
+/* Looks at all cells near the surface. */
 static void look_and_settle(job *j)
 {
     near *s = j->near;
     if (j->set->path.mandelbrot) look_near_mandelbrot(s, j->set);
     else look_near_julia(s, j->set);
-    int kept = 0;
-    for (int l = 0; l < s->count; l++) {
-        if (!stream_settle(j, l)) continue;
-        if (kept < l) {
-            for (int f = 0; f < FIELDS; f++) s->f[f][kept] = s->f[f][l];
-            s->m[kept] = s->m[l], s->h[kept] = s->h[l];
-            s->root[kept] = s->root[l], s->at[kept] = s->at[l], s->task[kept] = s->task[l];
-        }
-        kept++;
-    }
-    s->count = kept;
+    for (int l = 0; l < WIDTH; l++)
+        if (!(s->free >> l & 1) && !stream_settle(j, l)) s->free |= 1U << l, s->count--;
+}
+
+static int lowest(unsigned bits)
+{
+#if defined(__GNUC__)
+    return __builtin_ctz(bits);
+#else
+    int l = 0;
+    while (!(bits >> l & 1)) l++;
+    return l;
+#endif
+}
+
+/* Gives a lane near the surface to a ray. */
+static int take_lane(near *s, const double f[], int apart)
+{
+    int l = lowest(s->free);
+    s->free &= s->free - 1, s->count++;
+    move_ray(s->f[0] + l, WIDTH, f, apart);
+    return l;
+}
+
+/* Lays the cell of lane l near the surface. */
+static void lay_near(near *s, int l)
+{
+    course k = course_of(s, l);
+    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
 }
 
 /* Moves the ray of a lane of the stream near the surface. */
@@ -772,10 +937,30 @@ static void come_near(job *j, int at)
         give_up(j, (size_t)from->f[RAY][at]);
         return;
     }
-    int l = s->count++;
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
-    course k = course_of(s, l);
-    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
+    lay_near(s, take_lane(s, from->f[0] + at, WIDTH));
+}
+
+/* Takes the ray of lane `at` out of the march in floats. */
+static void floats_leave(job *j, int at)
+{
+    const stream_f *from = j->floats;
+    near *s = j->near;
+    size_t i = (size_t)from->f[RAY][at];
+    if ((double)from->r[FTAU][at] >= from->f[HI][at] * unit_f_of(from->f[ALONG_SIZE][at]).of) {
+        write_without(&j->tile->hits, i, SGT_MISS, (int)from->r[FEVALS][at]);
+    } else if ((double)from->r[FEVALS][at] >= j->set->budget) {
+        give_up(j, i);
+    } else {
+        int l = take_lane(s, from->f[0] + at, LANES);
+        course k = course_of(s, l);
+        const ray_f r = {.tau = from->r[FTAU][at], .step = from->r[FSTEP][at],
+                         .growth = from->r[FGROWTH][at], .side = from->r[FSIDE][at],
+                         .evals = from->r[FEVALS][at]};
+        k = course_after(k, &r, s->f[ALONG_SIZE][l]);
+        set_course(s, l, &k), s->f[EVALS][l] = (double)from->r[FEVALS][at];
+        lay_near(s, l);
+    }
+    while (s->count == WIDTH) look_and_settle(j);
 }
 
 /* On the fast way F has changed its sign in a lane of the stream: makes the bracket. */
@@ -783,15 +968,14 @@ static void cross(job *j, int at)
 {
     const stream *from = j->stream;
     near *s = j->near;
-    int l = s->count++;
-    for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
+    int l = take_lane(s, from->f[0] + at, WIDTH);
     double last = s->f[LAST][l], last_f = s->f[LAST_F][l], tau = s->f[TAU][l], f = from->end[at];
     bracket *p = &s->root[l];
     *p = (bracket){.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
     step_to(p, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));
     s->m[l] = p->m, s->h[l] = p->h, s->task[l] = POLISH;
     if (root_error(p) > larger(s->f[T_TOL][l], s->f[LEAST][l]) && s->f[EVALS][l] < j->set->budget) return;
-    s->count--;
+    s->free |= 1U << l, s->count--;
     if (s->f[EVALS][l] < j->set->budget) add_hit_at(j, l, p->m, root_error(p));
     else give_up(j, (size_t)s->f[RAY][l]);
 }
@@ -810,15 +994,24 @@ static void stream_leave(job *j, int l)
     while (j->near->count == WIDTH) look_and_settle(j);
 }
 
-static int lowest(unsigned bits)
+/* Takes the march in double on until some lanes leave, and fills those. */
+static void step_stream(job *j)
 {
-#if defined(__GNUC__)
-    return __builtin_ctz(bits);
-#else
-    int l = 0;
-    while (!(bits >> l & 1)) l++;
-    return l;
-#endif
+    const set *w = j->set;
+    unsigned leaving = (w->dt_min > 0 ? w->path.mandelbrot ? fast_mandelbrot : fast_julia
+                        : w->path.mandelbrot ? advance_mandelbrot : advance_julia)(j->stream, w);
+    for (; leaving; leaving &= leaving - 1) {
+        int l = lowest(leaving);
+        stream_leave(j, l);
+        j->busy -= !stream_fill(j, l);
+    }
+}
+
+/* Gives rays to the idle lanes of the stream.  anew: all are idle. */
+static void fill_idle(job *j, bool anew)
+{
+    for (int l = 0; l < WIDTH && (anew || j->back->count || j->set->dt_min > 0); l++)
+        if (anew || j->stream->f[RAY][l] < 0) j->busy += stream_fill(j, l);
 }
 
 #if defined(__GNUC__)
@@ -833,11 +1026,12 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     set w = {.o = o, .proof = opt->proof != SGT_ESTIMATE};
     sgt_tile own = *tile;
     stream s;
+    stream_f floats;
     near close;
     waiting waits;
     returned back;
     hits met;
-    job j = {&w, &own, 0, 0, &waits, &back, &close, &s, &met};
+    job j = {&w, &own, 0, 0, 0, &waits, &back, &close, &floats, &s, &met};
     if (!SAME_CELLS || o->power != 2 || o->iterations > MOST_LEVELS) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
@@ -846,28 +1040,37 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     w.escape = escape_of(o), w.E2 = o->E * o->E,
     w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
     if (w.proof) own.t_tol = rounding_only;
+    w.floats = march_f_of(o, &w.path, w.budget);
     memset(&close, 0, sizeof close);
+    memset(&waits, 0, sizeof waits);
+    close.free = (1U << WIDTH) - 1;
     memset(&s, 0, sizeof s);
+    memset(&floats, 0, sizeof floats);
     memset(&met, 0, sizeof met);
-    waits.count = back.count = 0;
-    int busy = 0;
-    for (int l = 0; l < WIDTH; l++) busy += stream_fill(&j, l);
-    while (busy || close.count || met.count) {
-        bool drains = 2 * busy <= close.count; /* rays that come back from the surface fill the lanes */
-        if (busy && !drains) {
-            unsigned leaving = (w.dt_min > 0 ? w.path.mandelbrot ? fast_mandelbrot : fast_julia
-                                : w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
+    back.count = 0;
+    int afloat = 0;
+    for (int l = 0; l < LANES && !(w.dt_min > 0); l++) afloat += floats_fill(&j, l);
+    fill_idle(&j, true);
+    while (afloat || j.busy || close.count || met.count) {
+        if (afloat) {
+            unsigned leaving = (w.path.mandelbrot ? floats_mandelbrot : floats_julia)(&floats, &w);
             for (; leaving; leaving &= leaving - 1) {
                 int l = lowest(leaving);
-                stream_leave(&j, l);
-                busy -= !stream_fill(&j, l);
+                floats_leave(&j, l);
+                afloat -= !floats_fill(&j, l);
+                fill_idle(&j, false);
+                while (back.count) step_stream(&j); /* all lanes are busy */
             }
+            continue;
+        }
+        bool drains = 2 * j.busy <= close.count; /* rays that come back from the surface fill the lanes */
+        if (j.busy && !drains) {
+            step_stream(&j);
             continue;
         }
         if (close.count) look_and_settle(&j);
         else tell_hits(&j);
-        for (int l = 0; l < WIDTH; l++)
-            if (s.f[RAY][l] < 0) busy += stream_fill(&j, l);
+        fill_idle(&j, false);
     }
     return j.hard;
 }
