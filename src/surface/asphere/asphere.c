@@ -591,18 +591,40 @@ static sgt_hit asphere_first(const sgt_even_asphere *s, int terms, const easy_ro
     return sgt_asphere_march(&h, ray, seed, &w, NULL);
 }
 
+/* A limit on n^2 / a that single_limit does not exceed, without a root or a quotient.  Where (1 + k) (c r)^2 is
+ * at most 1/2, r^2 = rim2 is the domain's own, and phi^2 is at least 1/2.  Else it is infinite. */
+SGT_INLINE double single_at_most(const shape *h)
+{
+    double unused, bent = h->ck * h->c * h->rim2,
+           steep = (1.5 * fabs(h->c) + 2 * magnitude(h->terms, h->a, h->rim2, &unused)) * (1 + 0x1p-10);
+    return bent <= 0.5 ? bounded_limit(steep, h->rim2) : HUGE_VAL;
+}
+
+/* wavy_single, if single_at_most does not tell it. */
+SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const sgt_ray *ray)
+{
+    const shape h = shape_of(s, terms);
+    const wavy v = {.single = single_limit(&h)};
+    return wavy_single(&v, ray->d.x, ray->d.y, ray->d.z) != 0;
+}
+
 /* The easy form, with a number of terms that the compiler knows: those that are 0 change no bit.  There is no
  * watcher, and the budget suffices.  The ray has not been checked, but its direction is usual.  One that is
- * met is valid, as wavy_end finds it between its ends and within the rim; and so is the surface. */
+ * met is valid, as wavy_end finds it between its ends and within the rim; and so is the surface.
+ *
+ * What takes roots and quotients of the surface's numbers is worked out only where it decides: the domain
+ * where a round has not ended, and the limit of wavy_single where single_at_most has not told. */
 SGT_INLINE sgt_hit meet_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
                                const sgt_ray *ray, const sgt_options *opt)
 {
-    const shape h = shape_of(self, most);
+    shape h = {.c = self->c, .k = self->k, .ck = (1 + self->k) * self->c, .terms = most, .a = self->a,
+               .rim2 = rim2_of(self->semi_diameter), .domain2 = HUGE_VAL};
     const bool first = opt->pick != SGT_NEAR_SEED;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, t_tol = opt->t_tol;
     wavy own, *s = &own;
     if (!rim_in_range(h.rim2) || !wavy_of(&h, proof, s)) return asphere_first(self, terms, NULL, ray, opt);
-    s->bend = 2 * (2 * terms - 1), s->enough = terms <= 4 ? s->enough : 0;
+    s->single = single_at_most(&h);
+    s->bend = 2 * (2 * terms - 1), s->enough = terms <= 4 ? 4 * SGT_U : 0;
     if (first && ((!proof && wavy_along(ray)) || wavy_hopeless(s, ray)))
         return asphere_first(self, terms, NULL, ray, opt);
     double g, slope;
@@ -613,12 +635,17 @@ SGT_INLINE sgt_hit meet_easily(const sgt_even_asphere *self, int terms, int most
     for (int i = 0; i < ROUNDS && at.q.again; i++) {
         wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
         at.q = wavy_bound(s, most, r.x, r.y, r.t0, &half, ray, t_tol);
+        if (at.q.again && s->domain2 == HUGE_VAL) {
+            s->domain2 = domain2_within(h.c, h.k, h.rim2);
+            at.q = wavy_bound(s, most, r.x, r.y, r.t0, &half, ray, t_tol);
+        }
         at.inverse = half.inverse, at.evals += 2;
     }
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, at.q.tau, at.q.tau_err);
     lane e = wavy_end(s, most, &root, &at.q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
     if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, at.q.tau_err, l, m)) ||
-        (first && !wavy_single(s, l, m, n) && !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
+        (first && !wavy_single(s, l, m, n) && !(h.rim2 < HUGE_VAL && is_single(self, terms, ray)) &&
+         !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
         return asphere_first(self, terms, &at, ray, opt);
     return hit_of_lane(&e, at.evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
 }
