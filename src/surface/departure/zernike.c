@@ -74,7 +74,7 @@ static double unit(const sgt_zernike *z, size_t m, size_t k)
 typedef struct harmonic {
     size_t count;
     double m;
-    const double *beta, *gamma; /* up to a multiple of four */
+    const double *beta, *gamma;
     double own_beta[MOST_ORDERS], own_gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS];
 } harmonic;
 
@@ -108,14 +108,11 @@ static const low_orders low[LOW_HARMONICS] = {LOW(0.0), LOW(1.0), LOW(2.0), LOW(
 SGT_NOINLINE static void many_orders(const sgt_zernike *z, size_t m, harmonic *h)
 {
     const double of_m = h->m;
-    const size_t count = h->count, all = (count + 3) / 4 * 4;
-    for (size_t i = 0; i < all; i++) {
-        const double n = of_m + (double)(2 * i);
-        h->own_beta[i] = BETA(of_m, n), h->own_gamma[i] = GAMMA(of_m, n);
-    }
+    const size_t count = h->count;
     double lambda = 1;
     for (size_t i = 0; i < count; i++) {
         const double n = of_m + (double)(2 * i), scale = lambda * unit(z, m, i);
+        h->own_beta[i] = BETA(of_m, n), h->own_gamma[i] = GAMMA(of_m, n);
         h->c[i] *= scale, h->s[i] *= scale;
         lambda *= RATIO(of_m, n, (double)i);
     }
@@ -123,22 +120,20 @@ SGT_NOINLINE static void many_orders(const sgt_zernike *z, size_t m, harmonic *h
 }
 
 /* If `only` is below the number of terms, that coefficient is 1 and all others are 0.  count: up to the
- * last one that is not 0. */
+ * last one that is not 0.  Places are as zernike_place has them: their differences grow by a constant. */
 SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
 {
-    size_t terms = length(z), k = 0, first;
-    h->count = 0;
-    h->m = (double)m;
-    for (; (first = zernike_place(z, m, k)) < terms; k++) {
-        size_t cosine = cosine_first(z, m, first) ? first : first + 1, sine = m == 0            ? terms
-                                                                              : cosine == first ? first + 1
-                                                                                                : first;
-        h->c[k] = only < terms ? cosine == only : cosine < terms ? z->a.x[cosine] : 0;
-        h->s[k] = only < terms ? sine == only : sine < terms ? z->a.x[sine] : 0;
-        if (h->c[k] != 0 || h->s[k] != 0) h->count = k + 1;
+    const size_t terms = length(z), more = z->order == SGT_NOLL ? 4 : 2;
+    const double *a = z->a.x;
+    size_t k = 0, count = 0, step = 2 * m + 3;
+    for (size_t at = zernike_place(z, m, 0); at < terms; at += step, step += more, k++) {
+        const bool first = cosine_first(z, m, at);
+        const size_t cosine = first ? at : at + 1, sine = m == 0 ? terms : first ? at + 1 : at;
+        h->c[k] = only < terms ? cosine == only : cosine < terms ? a[cosine] : 0;
+        h->s[k] = only < terms ? sine == only : sine < terms ? a[sine] : 0;
+        if (h->c[k] != 0 || h->s[k] != 0) count = k + 1;
     }
-    const size_t count = h->count, all = (count + 3) / 4 * 4;
-    for (size_t i = count; i < all; i++) h->c[i] = h->s[i] = 0;
+    h->m = (double)m, h->count = count;
     if (m >= LOW_HARMONICS || count > LOW_ORDERS) {
         many_orders(z, m, h);
         return;
@@ -202,11 +197,11 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
 /* Adds one to four orders from k on.  `first` and `steps` are constants after inlining. */
 SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
 {
-    const double beta0 = h->beta[k], beta1 = h->beta[k + 1], beta2 = h->beta[k + 2], beta3 = h->beta[k + 3];
-    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k + 1], gamma2 = h->gamma[k + 2],
-                 gamma3 = h->gamma[k + 3];
-    const double c0 = h->c[k], c1 = h->c[k + 1], c2 = h->c[k + 2], c3 = h->c[k + 3];
-    const double s0 = h->s[k], s1 = h->s[k + 1], s2 = h->s[k + 2], s3 = h->s[k + 3];
+    const size_t k1 = steps > 1 ? k + 1 : k, k2 = steps > 2 ? k + 2 : k, k3 = steps > 3 ? k + 3 : k;
+    const double beta0 = h->beta[k], beta1 = h->beta[k1], beta2 = h->beta[k2], beta3 = h->beta[k3];
+    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k1], gamma2 = h->gamma[k2], gamma3 = h->gamma[k3];
+    const double c0 = h->c[k], c1 = h->c[k1], c2 = h->c[k2], c3 = h->c[k3];
+    const double s0 = h->s[k], s1 = h->s[k1], s2 = h->s[k2], s3 = h->s[k3];
     LANES
     for (size_t i = 0; i < n; i++) {
         double s = w->s[i], q = first ? 1 : w->q[i], q1 = first ? 0 : w->q1[i], d = first ? 0 : w->d[i],
