@@ -591,8 +591,8 @@ static sgt_hit asphere_first(const sgt_even_asphere *s, int terms, const easy_ro
     return sgt_asphere_march(&h, ray, seed, &w, NULL);
 }
 
-/* A limit on n^2 / a that single_limit does not exceed, without a root or a quotient.  Where (1 + k) (c r)^2 is
- * at most 1/2, r^2 = rim2 is the domain's own, and phi^2 is at least 1/2.  Else it is infinite. */
+/* A limit on n^2 / a that single_limit does not exceed, without a root or a quotient.  Where (1 + k) (c r)^2
+ * is at most 1/2, r^2 = rim2 is the domain's own, and phi^2 is at least 1/2.  Else it is infinite. */
 SGT_INLINE double single_at_most(const shape *h)
 {
     double unused, bent = h->ck * h->c * h->rim2,
