@@ -501,6 +501,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
            size = 0, steep = 0, bend = 0;
     const bool far = u > FAR_BEYOND; /* nearer, all is at most w^n times as great as at 1 */
+    const double by_root = root > 0 ? 1 / root : HUGE_VAL, by_inside = inside > 0 ? 1 / inside : HUGE_VAL;
     const double w = far ? 1 : growth(u);
     double grown = 1;
     for (size_t m = 0; zernike_place(z, m, 0) < terms; m++, grown *= w) {
@@ -513,8 +514,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
             bounds e = far ? zernike_beyond(k, m, u)
-                           : (bounds){1, first * root > n ? n / root : first,
-                                      second * inside > n2 ? n2 / inside : second};
+                           : (bounds){1, first * root > n ? n * by_root : first,
+                                      second * inside > n2 ? n2 * by_inside : second};
             size += both * e.size, steep += both * e.steep, bend += both * e.bend;
         }
     }
