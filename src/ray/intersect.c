@@ -37,7 +37,7 @@ static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 
 /* Whatever does not answer itself, and what is invalid. */
 SGT_NOINLINE
-static sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+static sgt_hit asked_of_operations(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     if (!valid(s, ray, opt)) return hit_without(SGT_INVALID, ray, 0);
     return sgt_intersect_general(s, ray, opt ? opt : &defaults);
@@ -47,7 +47,7 @@ sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt)
 {
     s = in_set(s);
     if (has_default_ends(ray)) ray->tmax = HUGE_VAL;
-    if (!(s.ops && answers_itself(s.ops) && sgt_options_valid(opt))) return by_operations(s, ray, opt);
+    if (!(s.ops && answers_itself(s.ops) && sgt_options_valid(opt))) return asked_of_operations(s, ray, opt);
     if (!opt) opt = &defaults;
     if (opt->proof != SGT_ESTIMATE) return proven(s, ray, opt);
     return s.ops->own_->meet(s.self, ray, opt);

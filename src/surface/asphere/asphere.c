@@ -614,7 +614,7 @@ SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const s
  *
  * What takes roots and quotients of the surface's numbers is worked out only where it decides: the domain
  * where a round has not ended, and the limit of wavy_single where single_at_most has not told. */
-SGT_INLINE sgt_hit meet_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
+SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
                                const sgt_ray *ray, const sgt_options *opt)
 {
     shape h = {.c = self->c, .k = self->k, .ck = (1 + self->k) * self->c, .terms = most, .a = self->a,
@@ -654,7 +654,7 @@ SGT_INLINE sgt_hit meet_easily(const sgt_even_asphere *self, int terms, int most
     SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,               \
                                      const sgt_options *opt)                                                 \
     {                                                                                                        \
-        return meet_easily(s, terms, MOST, PROOF, ray, opt);                                                 \
+        return asphere_easily(s, terms, MOST, PROOF, ray, opt);                                              \
     }
 MEETS(meet_few, FEW_TERMS, false)
 MEETS(meet_all, ALL_TERMS, false)

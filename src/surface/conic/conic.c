@@ -560,7 +560,7 @@ static sgt_hit conic_first(double c, double k, double semi_diameter, bool tried,
 
 /* easy_at, else the rest.  A ray that easy_at meets is valid: it has finite o and d, n^2 > 2^-200, and tmin <
  * t <= tmax.  So are then c and k. */
-SGT_INLINE sgt_hit meet_easily(const sgt_conic *s, bool proof, const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit conic_easily(const sgt_conic *s, bool proof, const sgt_ray *ray, const sgt_options *opt)
 {
     const double c = s->c, k = s->k, rim = s->semi_diameter;
     bowl b;
@@ -573,13 +573,13 @@ SGT_INLINE sgt_hit meet_easily(const sgt_conic *s, bool proof, const sgt_ray *ra
 
 SGT_NOINLINE static sgt_hit conic_prove(const sgt_conic *s, const sgt_ray *ray, const sgt_options *opt)
 {
-    return meet_easily(s, true, ray, opt);
+    return conic_easily(s, true, ray, opt);
 }
 
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     WENT(WAY_CLOSED);
-    return opt->proof != SGT_ESTIMATE ? conic_prove(self, ray, opt) : meet_easily(self, false, ray, opt);
+    return opt->proof != SGT_ESTIMATE ? conic_prove(self, ray, opt) : conic_easily(self, false, ray, opt);
 }
 
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
