@@ -549,9 +549,9 @@ static bool passes_by(const shape *s, const sgt_ray *ray)
 }
 
 /* done: the rounds of the easy form, which have not met the ray; NULL if they have not been made. */
-SGT_NOINLINE
-static sgt_hit asphere_first(const sgt_even_asphere *s, int terms, const easy_rounds *done,
-                             const sgt_ray *ray, const sgt_options *opt)
+SGT_NARROW(sgt_hit, sgt_asphere_first,
+           (const sgt_even_asphere *s, int terms, const struct easy_rounds *done, const sgt_ray *ray,
+            const sgt_options *opt))
 {
     if (!ray_valid(ray) || !asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
     shape h = shape_of(s, terms);
@@ -622,15 +622,16 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     const bool first = opt->pick != SGT_NEAR_SEED;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, t_tol = opt->t_tol;
     wavy own, *s = &own;
-    if (!rim_in_range(h.rim2) || !wavy_of(&h, proof, s)) return asphere_first(self, terms, NULL, ray, opt);
+    if (!rim_in_range(h.rim2) || !wavy_of(&h, proof, s))
+        return sgt_asphere_first(self, terms, NULL, ray, opt);
     s->single = single_at_most(&h);
     s->bend = 2 * (2 * terms - 1), s->enough = terms <= 4 ? 4 * SGT_U : 0;
     if (first && ((!proof && wavy_along(ray)) || wavy_hopeless(s, ray)))
-        return asphere_first(self, terms, NULL, ray, opt);
+        return sgt_asphere_first(self, terms, NULL, ray, opt);
     double g, slope;
     easy_rounds at = {.r = wavy_begin(s, most, ray, &g, &slope), .evals = 1};
     const wavy_start r = at.r;
-    if (!(r.tau == r.tau)) return asphere_first(self, terms, NULL, ray, opt);
+    if (!(r.tau == r.tau)) return sgt_asphere_first(self, terms, NULL, ray, opt);
     at.q = (wavy_round){.tau = r.tau, .again = MASK(true)};
     for (int i = 0; i < ROUNDS && at.q.again; i++) {
         wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
@@ -646,7 +647,7 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, at.q.tau_err, l, m)) ||
         (first && !wavy_single(s, l, m, n) && !(h.rim2 < HUGE_VAL && is_single(self, terms, ray)) &&
          !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
-        return asphere_first(self, terms, &at, ray, opt);
+        return sgt_asphere_first(self, terms, &at, ray, opt);
     return hit_of_lane(&e, at.evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
 }
 
@@ -670,7 +671,7 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     WENT(WAY_ROUNDS);
     if (opt->watch || !(rim >= 0 && rim < HUGE_VAL) || !usual_length((l * l + m * m) + n * n) ||
         (opt->max_evals && opt->max_evals <= MOST_EASY + SIDE_LOOKS))
-        return asphere_first(s, terms, NULL, ray, opt);
+        return sgt_asphere_first(s, terms, NULL, ray, opt);
     if (opt->proof != SGT_ESTIMATE) return (terms <= FEW_TERMS ? prove_few : prove_all)(s, terms, ray, opt);
     return (terms <= FEW_TERMS ? meet_few : meet_all)(s, terms, ray, opt);
 }

@@ -507,9 +507,9 @@ static double conic_f(double c, double k, sgt_vec3 p)
 }
 
 /* tried: easy_at has not met it. */
-SGT_NOINLINE
-static sgt_hit conic_first(double c, double k, double semi_diameter, bool tried, const sgt_ray *ray,
-                           const sgt_options *opt)
+SGT_NARROW(sgt_hit, sgt_conic_first,
+           (double c, double k, double semi_diameter, bool tried, const sgt_ray *ray,
+            const sgt_options *opt))
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at = {.t_err = (double)NAN};
@@ -567,7 +567,7 @@ SGT_INLINE sgt_hit conic_easily(const sgt_conic *s, bool proof, const sgt_ray *r
     lane e;
     bool usual = !opt->watch && rim >= 0 && rim < HUGE_VAL && bowl_of(c, k, rim2_of(rim), proof, &b);
     if (!usual || !easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e))
-        return conic_first(c, k, rim, usual, ray, opt);
+        return sgt_conic_first(c, k, rim, usual, ray, opt);
     return hit_of_lane(&e, 1, conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz}));
 }
 
