@@ -16,7 +16,7 @@
  * 1962, J. Opt. Soc. Am. 52, 672).  At a root |A tau - B| = sqrt(D), with D = B^2 - A C.  So g' = grad F .
  * d = -+ sqrt(D) / v.
  *
- * WHY APART.  Both roots are known without a search.  As a user's surface (own_ = NULL) a conic costs 4.8
+ * WHY APART.  Both roots are known without a search.  As a user's surface (own_ = NULL) a conic costs 6.6
  * times the instructions one by one, 25 times in a batch, 38 times under proof.  (Conics of
  * tests/cost/cases.c, 400 rays, by callgrind for x86-64-v3, as all prices in this folder.)
  *
