@@ -301,8 +301,9 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
                         vicinities *kept, sgt_list *list)
 {
     const bool all = what == EVERY;
-    walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
-              .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
+    walk w;
+    walk_begin(&w, s, ray, opt, list);
+    w.all = all, w.rim2 = rim2_of_surface(s);
     bool near = opt->pick == SGT_NEAR_SEED && !all;
     if (is_catalogue(s.ops) && s.ops->own_->share) s.ops->own_->share(s.self, &w.shared);
     /* step 1 */

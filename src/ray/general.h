@@ -9,18 +9,6 @@
 #include "../solve/accept.h"
 #include "../surface/builtin.h"
 
-/* 0 if all three are finite, else NaN: x - x is 0 for a finite x and NaN for any other.  So one comparison
- * tests all of them. */
-SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
-
-/* Is the ray valid, as sgt_ray and SGT_INVALID of sagitta.h say?  Its ends are explicit (explicit_end). */
-SGT_INLINE bool ray_valid(const sgt_ray *ray)
-{
-    double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
-    bool ends = (ray->tmin <= ray->tmax) & (ray->tmax > -HUGE_VAL);
-    return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
-}
-
 /* The r^2 within which a root of a surface met by its operations is accepted; HUGE_VAL without a rim. */
 SGT_INLINE double rim2_of_surface(sgt_surface s)
 {

@@ -46,6 +46,18 @@ typedef struct walk {
     double noise[3];   /* noise of vicinity.h */
 } walk;
 
+/* At the beginning, without a rim; q, shared, noise and hidden are set by who knows them.  (Member by member:
+ * to clear the whole struct costs as much as a look.) */
+SGT_INLINE void walk_begin(walk *w, sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    w->s = s, w->ray = ray, w->list = list;
+    w->told = (tally){.opt = opt, .evals = 0, .before = 0, .root = 0,
+                      .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .stopped = false};
+    w->all = w->found = w->from_tmin = w->defined = w->uncertain = w->off = w->nearby = false;
+    w->t_tol = w->lo = w->hi = w->lowest = w->highest = w->least = w->steep = w->margin = 0;
+    w->rim2 = HUGE_VAL;
+}
+
 /* Ask no more: stopped, the budget spent, or the wanted root found. */
 SGT_INLINE bool over(const walk *w) { return w->found || w->told.stopped || spent(&w->told); }
 

@@ -3,8 +3,8 @@
  *
  * There are two kinds of built-in surface:
  * - With `meet` the surface answers by itself, through `meet`, `all`, `lanes` and `unique`.  It returns
- *   SGT_INVALID if one of its parameters is invalid.  The caller has already checked the ray and the
- *   options.
+ *   SGT_INVALID if one of its parameters is invalid.  The caller has already checked the options and made
+ *   tmax explicit, and but for `meet` and `lanes` checked the ray.
  * - Without `meet` the surface is met by its operations (sgt_surface_ops), as a user's surface is.  Here it
  *   adds what those operations cannot say.  `object` is then required; everything else is optional.
  *
@@ -83,12 +83,27 @@ SGT_INLINE sgt_tile tile_part(const sgt_tile *tile, size_t i, size_t n)
  * that was given, in a batch or to sgt_ray_between, is stored as -0: the same number, and not the default. */
 SGT_INLINE double given_end(double tmax) { return tmax == 0 ? -0.0 : tmax; }
 
-/* The tmax that is meant. */
-SGT_INLINE double explicit_end(const sgt_ray *ray)
+/* Does the ray have no end? */
+SGT_INLINE bool has_default_ends(const sgt_ray *ray)
 {
-    static const double zeros[2] = {0, 0};
-    const double ends[2] = {ray->tmin, ray->tmax};
-    return memcmp(ends, zeros, sizeof ends) == 0 ? HUGE_VAL : ray->tmax;
+    unsigned long long lo, hi;
+    memcpy(&lo, &ray->tmin, sizeof lo), memcpy(&hi, &ray->tmax, sizeof hi);
+    return (lo | hi) == 0;
+}
+
+/* The tmax that is meant. */
+SGT_INLINE double explicit_end(const sgt_ray *ray) { return has_default_ends(ray) ? HUGE_VAL : ray->tmax; }
+
+/* 0 if all three are finite, else NaN: x - x is 0 for a finite x and NaN for any other.  So one comparison
+ * tests all of them. */
+SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
+
+/* Is the ray valid, as sgt_ray and SGT_INVALID of sagitta.h say?  Its ends are explicit (explicit_end). */
+SGT_INLINE bool ray_valid(const sgt_ray *ray)
+{
+    double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
+    bool ends = (ray->tmin <= ray->tmax) & (ray->tmax > -HUGE_VAL);
+    return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
 }
 
 SGT_INLINE sgt_ray ray_of(const sgt_rays *r, size_t i)
@@ -168,6 +183,8 @@ struct sgt_builtin_ops {
     /* The operations of each set of instructions (dispatch.h).  Set in the table of operations that a
      * program sees, and there nothing else is set.  NULL in the tables of the sets themselves. */
     const sgt_surface_ops *const *in_set;
+    /* The ray has not been checked: SGT_INVALID if it is not valid (ray_valid).  So a form that meets no such
+     * ray asks nothing before it has failed. */
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* Adds every entry of sgt_intersect_all (roots and undecided stretches) to `list`, and returns 0.
      * Returns SGT_INVALID if a parameter is invalid.  Called by ray/intersect.c and ray/unique.c. */

@@ -148,6 +148,25 @@ static void ask_watched(question *q, generator *g, const size_t order[], const s
         report(q, q->n, "the watcher of a batch was told otherwise", NULL);
 }
 
+/* Looks on. */
+static int look_on(void *data, const sgt_step *step)
+{
+    (void)data, (void)step;
+    return 0;
+}
+
+/* Where a watcher looks on, a ray goes the long way: conics and even aspheres ask their quick forms first,
+ * before the ray is checked.  The answer is the same. */
+static void ask_the_long_way(question *q, const sgt_options *opt)
+{
+    sgt_options own = *opt;
+    own.watch = look_on;
+    for (size_t i = 0; i < q->n; i++) {
+        sgt_hit hit = sgt_intersect(surface_of(q->s), rays[i], &own);
+        if (!same_answer(&hits[i], &hit)) report(q, i, "another answer where a watcher looks on", &hit);
+    }
+}
+
 /* ------------------------------------------------------------------- rounds */
 
 /* A place to put a hostile ray at, small enough to meet each lane of a register, and the edges of tiles. */
@@ -207,6 +226,7 @@ static size_t round_of(generator *g, const sgt_builtin *type)
         hits[i] = sgt_intersect(surface_of(&s), rays[i], q.opt);
         told[hits[i].status - SGT_INVALID]++;
     }
+    if (chance(g, 0.2)) ask_the_long_way(&q, &opt);
     ask(&q, g, order);
     for (size_t i = n; i > 1; i--) { /* in another order (Fisher and Yates) */
         size_t j = (size_t)below(g, (int)i), at = order[j];

@@ -62,10 +62,43 @@ SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt
     return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;
 }
 
-/* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, ray: for a
+/* How far the rounds of a ray have come. */
+typedef struct easy_rounds {
+    wavy_start r;
+    wavy_round q;
+    double inverse;
+    int evals;
+} easy_rounds;
+
+/* The answer after the rounds.  The ray has explicit ends. */
+SGT_NOINLINE
+static easy_answer easy_judged(const wavy *s, const shape *h, bool first, const easy_rounds *at,
+                               const sgt_ray *ray, double t_tol, lane *e)
+{
+    const wavy_start r = at->r;
+    const wavy_round q = at->q;
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    const lane end = wavy_end_any(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
+    *e = lane_if_met(&end);
+    if (!e->hit) {
+        bool misses = wavy_away(s, ALL_TERMS, &root, q.v, at->inverse, ray) ||
+                      (q.tau == q.tau && asphere_leaves_it(s, h, ray));
+        return misses ? EASY_MISS : EASY_NOT;
+    }
+    bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
+    if (!is_first)
+        is_first = (s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) ||
+                   wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
+                   is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, at->inverse}, ray);
+    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
+               ? EASY_HIT
+               : EASY_NOT;
+}
+
+/* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer.  h, from: for a
  * watcher. */
-SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
-                                       tally *w, const shape *h, const sgt_ray *from)
+static easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray, double scale, lane *e,
+                                   tally *w, const shape *h, const sgt_ray *from)
 {
     const double t_tol = w->opt->t_tol / scale;
     double g, slope;
@@ -85,26 +118,11 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray 
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
-    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    const lane end = wavy_end_any(s, ALL_TERMS, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false);
-    *e = lane_if_met(&end);
-    if (!e->hit) {
-        bool misses = wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, ray) ||
-                      (q.tau == q.tau && asphere_leaves_it(s, h, ray));
-        return misses ? EASY_MISS : EASY_NOT;
-    }
-    bool is_first = !first || wavy_single(s, ray->d.x, ray->d.y, ray->d.z);
-    if (!is_first)
-        is_first = (s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) ||
-                   wavy_first_from(s, ALL_TERMS, r.t0, r.x, r.y, q.tau, ray) ||
-                   is_first_bent(s, &(bent_root){r.t0, r.x, r.y, q.tau, half.inverse}, ray);
-    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, ray->d.x, ray->d.y) != 0)
-               ? EASY_HIT
-               : EASY_NOT;
+    return easy_judged(s, h, first, &(easy_rounds){r, q, half.inverse, w->evals}, ray, t_tol, e);
 }
 
 /* A direction of unusual length is scaled by a power of two.  For usual lengths that would change no bit. */
-SGT_INLINE easy_answer easy(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
+static easy_answer easy(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w)
 {
     const sgt_options *opt = w->opt;
     const sgt_vec3 d = ray->d;
@@ -685,7 +703,7 @@ static int asphere_terms_of(const sgt_even_asphere *s)
     return terms;
 }
 
-static shape shape_of(const sgt_even_asphere *s, int terms)
+SGT_INLINE shape shape_of(const sgt_even_asphere *s, int terms)
 {
     return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a,
                    .rim2 = rim2_of(s->semi_diameter), .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
@@ -707,23 +725,25 @@ static bool passes_by(const shape *s, const sgt_ray *ray)
     return passes != 0;
 }
 
-SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+/* done: the rounds of the easy form, which have not met the ray; NULL if they have not been made. */
+SGT_NARROW(sgt_hit, sgt_asphere_first,
+           (const sgt_even_asphere *s, int terms, const struct easy_rounds *done, const sgt_ray *ray,
+            const sgt_options *opt))
 {
-    const sgt_even_asphere *s = self;
-    if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
-    int terms = asphere_terms_of(s);
-    if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
+    if (!ray_valid(ray) || !asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
     shape h = shape_of(s, terms);
     if (!rim_in_range(h.rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     meeting at;
     double seed;
-    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
+               .evals = done ? done->evals : 0};
     wavy v;
     lane e;
-    WENT(WAY_ROUNDS);
     bool tried = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v);
     if (tried) wavy_constants(&h, &v), v.side = !v.proof && w.budget > MOST_EASY + SIDE_LOOKS;
-    easy_answer is = tried ? easy(&v, &h, ray, &e, &w) : EASY_NOT;
+    easy_answer is = EASY_NOT;
+    if (done) is = easy_judged(&v, &h, opt->pick != SGT_NEAR_SEED, done, ray, opt->t_tol, &e);
+    else if (tried) is = easy(&v, &h, ray, &e, &w);
     const bool grazes = is == EASY_GRAZES;
     if (grazes) is = EASY_NOT;
     if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
@@ -746,6 +766,95 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (miss) return hit_without(SGT_MISS, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w, NULL);
+}
+
+/* A limit on n^2 / a that single_limit does not exceed, without a root or a quotient.  Where (1 + k) (c r)^2
+ * is at most 1/2, r^2 = rim2 is the domain's own, and phi^2 is at least 1/2.  Else it is infinite. */
+SGT_INLINE double single_at_most(const shape *h)
+{
+    double unused, bent = h->ck * h->c * h->rim2,
+           steep = (1.5 * fabs(h->c) + 2 * magnitude(h->terms, h->a, h->rim2, &unused)) * (1 + 0x1p-10);
+    return bent <= 0.5 ? bounded_limit(steep, h->rim2) : HUGE_VAL;
+}
+
+/* wavy_single, if single_at_most does not tell it. */
+SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const sgt_ray *ray)
+{
+    const shape h = shape_of(s, terms);
+    const wavy v = {.single = single_limit(&h)};
+    return wavy_single(&v, ray->d.x, ray->d.y, ray->d.z) != 0;
+}
+
+/* The easy form, with a number of terms that the compiler knows: those that are 0 change no bit.  There is no
+ * watcher, and the budget suffices.  The ray has not been checked, but its direction is usual.  One that is
+ * met is valid, as wavy_end finds it between its ends and within the rim; and so is the surface.
+ *
+ * What takes roots and quotients of the surface's numbers is worked out only where it decides: the domain
+ * where a round has not ended, and the limit of wavy_single where single_at_most has not told. */
+SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
+                               const sgt_ray *ray, const sgt_options *opt)
+{
+    shape h = {.c = self->c, .k = self->k, .ck = (1 + self->k) * self->c, .terms = most, .a = self->a,
+               .rim2 = rim2_of(self->semi_diameter), .domain2 = HUGE_VAL};
+    const bool first = opt->pick != SGT_NEAR_SEED;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, t_tol = opt->t_tol;
+    wavy own, *s = &own;
+    if (!rim_in_range(h.rim2) || !wavy_of(&h, proof, s))
+        return sgt_asphere_first(self, terms, NULL, ray, opt);
+    s->single = single_at_most(&h);
+    s->bend = 2 * (2 * terms - 1), s->enough = terms <= 4 ? 4 * SGT_U : 0;
+    wavy_constants(&h, s);
+    if (first && ((!proof && wavy_along(ray)) || wavy_hopeless(s, ray)))
+        return sgt_asphere_first(self, terms, NULL, ray, opt);
+    double g, slope;
+    const vertex_place vertex = to_vertex_plane(ray);
+    easy_rounds at = {.r = wavy_begin(s, most, &vertex, ray, &g, &slope), .evals = 1};
+    const wavy_start r = at.r;
+    if (!(r.tau == r.tau)) return sgt_asphere_first(self, terms, NULL, ray, opt);
+    at.q = (wavy_round){.tau = r.tau, .again = MASK(true)};
+    for (int i = 0; i < ROUNDS && at.q.again; i++) {
+        wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
+        at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
+        if (at.q.again && s->domain2 == HUGE_VAL) {
+            s->domain2 = domain2_within(h.c, h.k, h.rim2);
+            at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
+        }
+        at.inverse = half.inverse, at.evals += 2;
+    }
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, at.q.tau, at.q.tau_err);
+    const lane end = wavy_end_any(s, most, &root, &at.q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false),
+               e = lane_if_met(&end);
+    if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, at.q.tau_err, l, m)) ||
+        (first && !wavy_single(s, l, m, n) && !(h.rim2 < HUGE_VAL && is_single(self, terms, ray)) &&
+         !(s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, at.q.tau, ray)) &&
+         !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
+        return sgt_asphere_first(self, terms, &at, ray, opt);
+    return hit_of_lane(&e, at.evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
+}
+
+#define MEETS(NAME, MOST, PROOF)                                                                             \
+    SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,               \
+                                     const sgt_options *opt)                                                 \
+    {                                                                                                        \
+        return asphere_easily(s, terms, MOST, PROOF, ray, opt);                                              \
+    }
+MEETS(meet_few, FEW_TERMS, false)
+MEETS(meet_all, ALL_TERMS, false)
+MEETS(prove_few, FEW_TERMS, true)
+MEETS(prove_all, ALL_TERMS, true)
+
+static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    const sgt_even_asphere *s = self;
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, rim = s->semi_diameter;
+    const int terms = asphere_terms_of(s);
+    if (!terms) return sgt_conic_meet(s->c, s->k, rim, ray, opt);
+    WENT(WAY_ROUNDS);
+    if (opt->watch || !(rim >= 0 && rim < HUGE_VAL) || !usual_length((l * l + m * m) + n * n) ||
+        (opt->max_evals && opt->max_evals <= MOST_EASY + SIDE_LOOKS))
+        return sgt_asphere_first(s, terms, NULL, ray, opt);
+    if (opt->proof != SGT_ESTIMATE) return (terms <= FEW_TERMS ? prove_few : prove_all)(s, terms, ray, opt);
+    return (terms <= FEW_TERMS ? meet_few : meet_all)(s, terms, ray, opt);
 }
 
 static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

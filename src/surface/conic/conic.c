@@ -16,7 +16,7 @@
  * 1962, J. Opt. Soc. Am. 52, 672).  At a root |A tau - B| = sqrt(D), with D = B^2 - A C.  So g' = grad F .
  * d = -+ sqrt(D) / v.
  *
- * WHY APART.  Both roots are known without a search.  As a user's surface (own_ = NULL) a conic costs 4.8
+ * WHY APART.  Both roots are known without a search.  As a user's surface (own_ = NULL) a conic costs 6.6
  * times the instructions one by one, 25 times in a batch, 38 times under proof.  (Conics of
  * tests/cost/cases.c, 400 rays, by callgrind for x86-64-v3, as all prices in this folder.)
  *
@@ -508,8 +508,10 @@ static double conic_f(double c, double k, sgt_vec3 p)
     return p.z - conic_sag(c, k, p.x * p.x + p.y * p.y, &phi, &slope);
 }
 
-SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const sgt_ray *ray,
-                               const sgt_options *opt)
+/* tried: easy_at has not met it. */
+SGT_NARROW(sgt_hit, sgt_conic_first,
+           (double c, double k, double semi_diameter, bool tried, const sgt_ray *ray,
+            const sgt_options *opt))
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at = {.t_err = (double)NAN};
@@ -517,11 +519,10 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     sgt_status status;
     bowl b;
     lane e;
-    WENT(WAY_CLOSED);
-    if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
+    if (!ray_valid(ray) || !conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b),
-         met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e);
+         met = usual && !tried && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e);
     if (usual && !met) {
         lane other; /* not e, so that e stays in registers */
         easy_answer answer = sgt_conic_on_first(&b, ray, opt, &other);
@@ -559,10 +560,28 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
+/* easy_at, else the rest.  A ray that easy_at meets is valid: it has finite o and d, n^2 > 2^-200, and tmin <
+ * t <= tmax.  So are then c and k. */
+SGT_INLINE sgt_hit conic_easily(const sgt_conic *s, bool proof, const sgt_ray *ray, const sgt_options *opt)
+{
+    const double c = s->c, k = s->k, rim = s->semi_diameter;
+    bowl b;
+    lane e;
+    bool usual = !opt->watch && rim >= 0 && rim < HUGE_VAL && bowl_of(c, k, rim2_of(rim), proof, &b);
+    if (!usual || !easy_at(&b, opt->pick != SGT_NEAR_SEED, ray, opt->t_tol, &e))
+        return sgt_conic_first(c, k, rim, usual, ray, opt);
+    return hit_of_lane(&e, 1, conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz}));
+}
+
+SGT_NOINLINE static sgt_hit conic_prove(const sgt_conic *s, const sgt_ray *ray, const sgt_options *opt)
+{
+    return conic_easily(s, true, ray, opt);
+}
+
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
-    const sgt_conic *s = self;
-    return conic_first(s->c, s->k, s->semi_diameter, ray, opt);
+    WENT(WAY_CLOSED);
+    return opt->proof != SGT_ESTIMATE ? conic_prove(self, ray, opt) : conic_easily(self, false, ray, opt);
 }
 
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)

@@ -201,6 +201,58 @@ SGT_NARROW(int, sgt_biconic_apart,
     return defined;
 }
 
+/* BY SIZE: as by_axis about the axis, where the surface is gentle, by sums of magnitudes: a twentieth of the
+ * cost.  Let |x| <= X, |y| <= Y, r <= R, phi in [f, F] and |s| <= S.  With N and D above
+ *     f^2 = 1 - (A_+ X^2 + B_+ Y^2), or 1 - larger(A_+, B_+) R^2,   F^2 = 1 + A_- X^2 + B_- Y^2,
+ *     |G_x| <= (2 |c_x| + |A| H) / (1 + f),   H = S / f,
+ *     G_x in 2 c_x / (1 + phi) +- |A| H / (1 + f),
+ * and M by its formula.  All are rounded some dozens of times; 2^-20 is added.  false: not gentle. */
+static bool biconic_by_size(const sgt_biconic *b, const region *where, bounds *out, sgt_by_axis *axis,
+                            sgt_interval *heights)
+{
+    const double x = where->x.hi, y = where->y.hi, r = where->r_hi, more = 1 + 0x1p-20;
+    const double x2 = x * x, y2 = y * y, r2 = r * r, A = (1 + b->k_x) * b->c_x * b->c_x,
+                 B = (1 + b->k_y) * b->c_y * b->c_y, a_size = fabs(A),
+                 b_size = fabs(B), a_up = larger(A, 0), b_up = larger(B, 0);
+    if (!(where->x.lo == -x && where->y.lo == -y && r < 0x1p400)) return false;
+    const double in_box = 1 - (a_up * x2 + b_up * y2) * more, in_disc = 1 - larger(a_up, b_up) * r2 * more,
+                 f2 = larger(in_box, in_disc);
+    if (!(f2 > 0.25)) return false;
+    const double f = sqrt(f2), w = 1 + f, of = f * w,
+                 w_most = 1 + sqrt(1 + (larger(-A, 0) * x2 + larger(-B, 0) * y2) * more);
+    const double cx = fabs(b->c_x), cy = fabs(b->c_y), size = (cx * x2 + cy * y2) / w * more, h = size / f,
+                 gx_off = a_size * h / w, gy_off = b_size * h / w, gx = (2 * cx / w + gx_off) * more,
+                 gy = (2 * cy / w + gy_off) * more;
+    const double mx = (2 * gx * a_size + h / f * (a_size * a_size)) / of * more,
+                 my = (2 * gy * b_size + h / f * (b_size * b_size)) / of * more,
+                 mxy = (gx * b_size + gy * a_size + h / f * (a_size * b_size)) / of * more;
+    const double by_box = sqrt(gx * gx * x2 + gy * gy * y2), by_disc = larger(gx, gy) * r,
+                 steep = (by_box < by_disc ? by_box : by_disc) * more;
+    if (!(steep < 1)) return false;
+    const double x_most = gx + mx * x2, y_most = gy + my * y2, xy = mxy * (x * y),
+                 x_least = 2 * cx / w_most / more - (gx_off + mx * x2) * more,
+                 y_least = 2 * cy / w_most / more - (gy_off + my * y2) * more;
+    *axis = (sgt_by_axis){gx * x * more, gy * y * more, xy * more, 0,
+                          b->c_x < 0 ? sgt_interval_between(-x_most * more, -x_least)
+                                     : sgt_interval_between(x_least, x_most * more),
+                          b->c_y < 0 ? sgt_interval_between(-y_most * more, -y_least)
+                                     : sgt_interval_between(y_least, y_most * more)};
+    heights->lo = -(larger(-b->c_x, 0) * x2 + larger(-b->c_y, 0) * y2) / w * more;
+    heights->hi = (larger(b->c_x, 0) * x2 + larger(b->c_y, 0) * y2) / w * more;
+    out->size = size, out->steep = steep;
+    const double by_entry = norm_of(x_most, xy, y_most),
+                 by_r = larger(gx, gy) + larger(larger(mx, my), mxy) * r2;
+    out->bend = (by_r < by_entry ? by_r : by_entry) * more;
+    return out->bend < HUGE_VAL;
+}
+
+static int biconic_about(const void *self, region *where, bounds *out, sgt_by_axis *axis,
+                         sgt_interval *heights)
+{
+    if (biconic_by_size(self, where, out, axis, heights)) return 1;
+    return sgt_biconic_apart(self, where, out, axis, heights);
+}
+
 static int biconic_bounds(const void *self, region *where, bounds *out)
 {
     sgt_by_axis unused;
@@ -311,7 +363,7 @@ static const departure biconic_departure = {.at = biconic_at,
                                             .object = biconic_objection,
                                             .noise = biconic_noise,
                                             .noise_in_box = biconic_noise_in_box,
-                                            .by_axis = sgt_biconic_apart};
+                                            .by_axis = biconic_about};
 
 /* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)

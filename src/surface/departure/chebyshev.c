@@ -62,9 +62,8 @@ static double coefficient(const sgt_chebyshev *s, size_t only, size_t i, size_t 
     return only < NONE ? at == only : s->a.x[at];
 }
 
-SGT_KERNEL
-static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
-                           double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void sum_products(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
+                             double *restrict p, double *restrict px, double *restrict py)
 {
     turning a, b;
     double t[PANEL][STRIP], d[PANEL][STRIP]; /* T_j and T_j' of the panel */
@@ -131,6 +130,21 @@ static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const 
     for (size_t i = 0; i < n; i++) px[i] *= back_x, py[i] *= back_y;
 }
 
+SGT_KERNEL
+static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
+                           double *p, double *px, double *py)
+{
+    sum_products(s, only, n, x, y, p, px, py);
+}
+
+/* The same at one point, without the loops. */
+SGT_NOINLINE
+static void chebyshev_alone(const sgt_chebyshev *s, const double *x, const double *y, double *p, double *px,
+                            double *py)
+{
+    sum_products(s, NONE, 1, x, y, p, px, py);
+}
+
 static void strips(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
                    sag_values out)
 {
@@ -141,7 +155,8 @@ static void strips(const sgt_chebyshev *s, size_t only, size_t n, const double *
 
 static void chebyshev_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
-    strips(self, NONE, n, x, y, out);
+    if (n == 1) chebyshev_alone(self, x, y, out.p, out.px, out.py);
+    else strips(self, NONE, n, x, y, out);
 }
 
 static size_t chebyshev_parameters(const void *self)

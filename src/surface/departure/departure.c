@@ -90,11 +90,14 @@ void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_v
 
 double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad)
 {
-    double f;
-    sgt_vec3 n;
-    sgt_departure_values(s, 1, (sgt_points){{&p.x, &p.y, &p.z}}, (sgt_values){&f, {&n.x, &n.y, &n.z}});
-    if (grad) *grad = n;
-    return f;
+    double f, fx, fy;
+    s->of->at(s->self, 1, &p.x, &p.y, (sag_values){&f, &fx, &fy});
+    if (s->base) {
+        base e = base_at(s->c, s->k, p.x, p.y);
+        f = e.sag + f, fx = e.by_r * p.x + fx, fy = e.by_r * p.y + fy;
+    }
+    if (grad) *grad = (sgt_vec3){-fx, -fy, 1};
+    return p.z - f;
 }
 
 /* A bound on what underflow takes from a sum of moderate powers. */

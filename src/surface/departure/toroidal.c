@@ -32,7 +32,18 @@
  *
  * BOUNDS.  By intervals, from the formulas above, over |x| and |y|.  For a steep toroid |y| is cut into
  * eight slices.  In each of them x^2 is at most r_hi^2 - y^2.  A single rectangle has a corner beyond the
- * rim, where the surface is steeper, or not defined. */
+ * rim, where the surface is steeper, or not defined.
+ *
+ * BY SIZE.  About the axis, where the toroid is gentle, sums of magnitudes say as much at a twentieth of the
+ * cost.  Let |x| <= X, |y| <= Y, r <= R, phi >= f.  Then
+ *     |z_p| <= Z y^2,        Z = |c| / (1 + f) + sum (i + 1) |a_i| Y^(2i),
+ *     |z_p'| <= D |y|,       D = |c| / f + 2 sum (i + 1) |a_i| Y^(2i),
+ *     z_p'' in c / phi^3 +- 2 sum (i + 1) (2i + 1) |a_i| Y^(2i),
+ *     q <= Q = 1 + |c_x| Z Y^2,
+ *     m^2 >= 1 - 2 |c_x| Z y^2 - c_x^2 x^2, over the rectangle, and over the disc,
+ * and 1 <= q / m <= Q / m, m <= q.  So s_xx / c_x is at least 1 / q >= 1 / Q, and |grad s| is at most R times
+ * the larger of |c_x| / m and D Q / m.  All numbers are positive and rounded some dozens of times; 2^-20 is
+ * added. */
 #include "bend.h"
 #include "departure.h"
 
@@ -294,18 +305,72 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
     return sgt_toroidal_apart(self, where, out, &unused, &heights);
 }
 
-/* The profile where |y| is at most r: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over
- * y^2, and the sum of the magnitudes of its powers over y^2. */
-typedef struct profile_size { double bent, phi, conic, first; } profile_size;
+/* The profile where |y| is at most r: bent = (1 + k) c^2 r^2, the least phi of its conic, the conic's own
+ * term over y^2, and of its powers `magnitude` (sag/poly.h). */
+typedef struct profile_size { double bent, phi, conic, first, second; } profile_size;
 
 static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s)
 {
-    double r2 = radius * radius, second;
+    double r2 = radius * radius;
     s->bent = (1 + a->k) * a->c * a->c * r2;
     double phi2 = 1 - larger(s->bent, 0);
     s->phi = sqrt(phi2), s->conic = fabs(a->c) / (1 + s->phi),
-    s->first = magnitude(toroidal_terms_of(a), a->a, r2, &second);
+    s->first = magnitude(toroidal_terms_of(a), a->a, r2, &s->second);
     return phi2 > 0x1p-20;
+}
+
+/* m^2 where |z_p| <= z y^2, |x| and |y| are at most these, and r at most r. */
+static double least_m2(const sgt_toroidal *a, double z, double x, double y, double r)
+{
+    const double c_x = fabs(a->c_x), t = c_x * x,
+                 in_box = 1 - (2 * z * c_x * (y * y) + t * t) * (1 + 0x1p-20),
+                 in_disc = 1 - larger(2 * z * c_x, c_x * c_x) * (r * r) * (1 + 0x1p-20);
+    return larger(in_box, in_disc);
+}
+
+/* BY SIZE; as by_axis.  false: not gentle. */
+static bool toroidal_by_size(const sgt_toroidal *a, const region *where, bounds *out, sgt_by_axis *axis,
+                             sgt_interval *heights)
+{
+    const double x = where->x.hi, y = where->y.hi, r = where->r_hi, more = 1 + 0x1p-20;
+    profile_size s;
+    if (!(where->x.lo == -x && where->y.lo == -y && r < 0x1p400 && profile_within(a, y, &s))) return false;
+    const double c_x = fabs(a->c_x), c = fabs(a->c), y2 = y * y, z = s.conic + s.first,
+                 m2 = least_m2(a, z, x, y, r);
+    if (!(m2 > 0.25)) return false;
+    const double m = sqrt(m2), q = (1 + c_x * z * y2) * more, by_m = q / m, cube = q / (m * m2),
+                 slope = c / s.phi + 2 * s.first, gx = c_x / m * x, gy = slope * by_m * y,
+                 in_box = sqrt(gx * gx + gy * gy), in_disc = larger(c_x / m, slope * by_m) * r;
+    const double steep = (in_box < in_disc ? in_box : in_disc) * more;
+    if (!(steep < TOROIDAL_GENTLE)) return false;
+    const double powers = 2 * s.first + 4 * y2 * s.second, phi_most = sqrt(1 - (s.bent < 0 ? s.bent : 0)),
+                 least = c / (phi_most * phi_most * phi_most), most = c / (s.phi * s.phi * s.phi);
+    /* Of a profile that is bent upward; else both are reversed. */
+    const double lo = (least - powers) * (least < powers ? by_m : 1), hi = (most + powers) * by_m,
+                 turned = c_x * (c_x * x) * (c_x * x) * (slope * y) * (slope * y) / (m * m2);
+    const sgt_interval xx = {c_x / q, c_x * q * cube},
+                       yy = a->c < 0 ? sgt_interval_between(-hi, -lo) : sgt_interval_between(lo, hi);
+    const double off = 0x1p-20 * (hi + powers + turned), turn = a->c_x < 0 ? -1 : 1;
+    axis->x = gx * more, axis->y = gy * more, axis->turn = toroidal_turn(a);
+    axis->xy = c_x * (c_x * x) * (slope * y) * cube * more;
+    axis->xx = turn < 0 ? sgt_interval_between(-xx.hi * more, -xx.lo / more)
+                        : sgt_interval_between(xx.lo / more, xx.hi * more);
+    axis->yy = sgt_interval_between(yy.lo - (turn < 0 ? turned : 0) - off,
+                                    yy.hi + (turn > 0 ? turned : 0) + off);
+    const double profile = z * y2 * more, sweep = c_x * x * x / (2 * m) * more;
+    const bool bowl = s.first == 0;
+    heights->lo = -((bowl && a->c > 0 ? 0 : profile) + (turn < 0 ? sweep : 0)) * more;
+    heights->hi = ((bowl && a->c < 0 ? 0 : profile) + (turn > 0 ? sweep : 0)) * more;
+    out->size = (profile + sweep) * more, out->steep = steep;
+    out->bend = norm_of(sgt_interval_greatest(axis->xx), axis->xy, sgt_interval_greatest(axis->yy)) * more;
+    return out->bend < HUGE_VAL;
+}
+
+static int toroidal_about(const void *self, region *where, bounds *out, sgt_by_axis *axis,
+                          sgt_interval *heights)
+{
+    if (toroidal_by_size(self, where, out, axis, heights)) return 1;
+    return sgt_toroidal_apart(self, where, out, axis, heights);
 }
 
 /* The lines of toroidal_off with the worst values where |y| <= most, q at most and m at least those given.
@@ -342,9 +407,7 @@ static void toroidal_noise(const void *self, double radius, double e[2])
     noise_over(self, &(region){{-radius, radius}, {-radius, radius}, 0, radius}, e);
 }
 
-/* q and m without intervals.  With |z_p| <= Z y^2, q >= 1 - |c_x| Z y^2, and so
- *     m^2 >= 1 - 2 |c_x| Z y^2 - c_x^2 x^2, which within a circle is >= 1 - larger(2 |c_x| Z, c_x^2) r^2.
- * Only where this says too little intervals are asked. */
+/* q and m by size.  Only where this says too little intervals are asked. */
 static bool noise_by_size(const sgt_toroidal *a, double y, const profile_size *s, double q, double m2,
                           double e[2])
 {
@@ -490,10 +553,9 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .parameters = toroidal_parameter_count,
                                              .by_parameter = sgt_toroidal_by_parameter_of,
                                              .object = toroidal_objection,
-                                             .noise = toroidal_noise,
-                                             .noise_about = sgt_toroidal_noise_about,
+                                             .noise = sgt_toroidal_noise_about,
                                              .noise_in_box = toroidal_noise_in_box,
-                                             .by_axis = sgt_toroidal_apart};
+                                             .by_axis = toroidal_about};
 
 /* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)

@@ -73,37 +73,75 @@ static double unit(const sgt_zernike *z, size_t m, size_t k)
 /* The polynomials of one m: the recurrence, and the coefficients of the q_k. */
 typedef struct harmonic {
     size_t count;
-    double m, beta[MOST_ORDERS], gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS];
+    double m;
+    const double *beta, *gamma;
+    double own_beta[MOST_ORDERS], own_gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS];
 } harmonic;
 
+/* Numbers of the recurrence, of m and n.  RATIO: of lambda_k+1 to lambda_k.  They are whole numbers, exact up
+ * to the quotients.  The first ones are constants: they took three quarters of an evaluation at one point. */
+#define BETA(m, n) (0.5 + (m) * (m) / ((n) > 0 ? 2 * (n) * ((n) + 2) : 1))
+#define GAMMA(m, n)                                                                                          \
+    (((n) * (n) - (m) * (m)) * ((n) * (n) - (m) * (m)) / ((n) > 1 ? 16 * ((n) * (n)) * ((n) * (n) - 1) : 1))
+#define RATIO(m, n, k) (((n) + 1) * ((n) + 2) / (((k) + 1) * ((m) + (k) + 1)))
+
+enum { LOW_ORDERS = 8, LOW_HARMONICS = 8 };
+typedef struct low_orders { double beta[LOW_ORDERS], gamma[LOW_ORDERS], lambda[LOW_ORDERS]; } low_orders;
+
+#define EACH_ORDER(NUMBER, m)                                                                                \
+    {NUMBER(m, m), NUMBER(m, m + 2), NUMBER(m, m + 4), NUMBER(m, m + 6), NUMBER(m, m + 8),                   \
+     NUMBER(m, m + 10), NUMBER(m, m + 12), NUMBER(m, m + 14)}
+#define LAMBDA1(m) (1 * RATIO(m, m, 0.0))
+#define LAMBDA2(m) (LAMBDA1(m) * RATIO(m, m + 2, 1.0))
+#define LAMBDA3(m) (LAMBDA2(m) * RATIO(m, m + 4, 2.0))
+#define LAMBDA4(m) (LAMBDA3(m) * RATIO(m, m + 6, 3.0))
+#define LAMBDA5(m) (LAMBDA4(m) * RATIO(m, m + 8, 4.0))
+#define LAMBDA6(m) (LAMBDA5(m) * RATIO(m, m + 10, 5.0))
+#define LAMBDA7(m) (LAMBDA6(m) * RATIO(m, m + 12, 6.0))
+#define LOW(m)                                                                                               \
+    {EACH_ORDER(BETA, (m)), EACH_ORDER(GAMMA, (m)),                                                          \
+     {1, LAMBDA1((m)), LAMBDA2((m)), LAMBDA3((m)), LAMBDA4((m)), LAMBDA5((m)), LAMBDA6((m)), LAMBDA7((m))}}
+static const low_orders low[LOW_HARMONICS] = {LOW(0.0), LOW(1.0), LOW(2.0), LOW(3.0),
+                                              LOW(4.0), LOW(5.0), LOW(6.0), LOW(7.0)};
+
+/* The recurrence, and c and s made coefficients of the q_k, of more orders than are constants. */
+SGT_NOINLINE static void many_orders(const sgt_zernike *z, size_t m, harmonic *h)
+{
+    const double of_m = h->m;
+    const size_t count = h->count;
+    double lambda = 1;
+    for (size_t i = 0; i < count; i++) {
+        const double n = of_m + (double)(2 * i), scale = lambda * unit(z, m, i);
+        h->own_beta[i] = BETA(of_m, n), h->own_gamma[i] = GAMMA(of_m, n);
+        h->c[i] *= scale, h->s[i] *= scale;
+        lambda *= RATIO(of_m, n, (double)i);
+    }
+    h->beta = h->own_beta, h->gamma = h->own_gamma;
+}
+
 /* If `only` is below the number of terms, that coefficient is 1 and all others are 0.  count: up to the
- * last one that is not 0. */
+ * last one that is not 0.  Places are as zernike_place has them: their differences grow by a constant. */
 SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
 {
-    size_t terms = length(z), k = 0, first;
-    h->count = 0;
-    h->m = (double)m;
-    for (; (first = zernike_place(z, m, k)) < terms; k++) {
-        size_t cosine = cosine_first(z, m, first) ? first : first + 1, sine = m == 0            ? terms
-                                                                              : cosine == first ? first + 1
-                                                                                                : first;
-        h->c[k] = only < terms ? cosine == only : cosine < terms ? z->a.x[cosine] : 0;
-        h->s[k] = only < terms ? sine == only : sine < terms ? z->a.x[sine] : 0;
-        if (h->c[k] != 0 || h->s[k] != 0) h->count = k + 1;
+    const size_t terms = length(z), more = z->order == SGT_NOLL ? 4 : 2;
+    const double *a = z->a.x;
+    size_t k = 0, count = 0, step = 2 * m + 3;
+    for (size_t at = zernike_place(z, m, 0); at < terms; at += step, step += more, k++) {
+        const bool first = cosine_first(z, m, at);
+        const size_t cosine = first ? at : at + 1, sine = m == 0 ? terms : first ? at + 1 : at;
+        h->c[k] = only < terms ? cosine == only : cosine < terms ? a[cosine] : 0;
+        h->s[k] = only < terms ? sine == only : sine < terms ? a[sine] : 0;
+        if (h->c[k] != 0 || h->s[k] != 0) count = k + 1;
     }
-    size_t count = h->count, all = (count + 3) / 4 * 4;
-    for (size_t i = count; i < all; i++) h->c[i] = h->s[i] = 0;
-    double ratio[MOST_ORDERS], m2 = h->m * h->m;
-    for (size_t i = 0; i < all; i++) {
-        /* Whole numbers, exact up to the quotients. */
-        double n = h->m + (double)(2 * i), n2 = n * n, e = n2 - m2;
-        h->beta[i] = 0.5 + m2 / (n > 0 ? 2 * n * (n + 2) : 1);
-        h->gamma[i] = e * e / (n > 1 ? 16 * n2 * (n2 - 1) : 1);
-        ratio[i] = (n + 1) * (n + 2) / ((double)(i + 1) * (h->m + (double)(i + 1)));
+    h->m = (double)m, h->count = count;
+    if (m >= LOW_HARMONICS || count > LOW_ORDERS) {
+        many_orders(z, m, h);
+        return;
     }
-    double lambda = 1;
-    for (size_t i = 0; i < count; i++, lambda *= ratio[i - 1]) {
-        double scale = lambda * unit(z, m, i);
+    const low_orders *of = &low[m];
+    h->beta = of->beta, h->gamma = of->gamma;
+    for (size_t i = 0; i < count; i++) {
+        const double scale = of->lambda[i] * unit(z, m, i);
         h->c[i] *= scale, h->s[i] *= scale;
     }
 }
@@ -159,11 +197,11 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
 /* Adds one to four orders from k on.  `first` and `steps` are constants after inlining. */
 SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
 {
-    const double beta0 = h->beta[k], beta1 = h->beta[k + 1], beta2 = h->beta[k + 2], beta3 = h->beta[k + 3];
-    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k + 1], gamma2 = h->gamma[k + 2],
-                 gamma3 = h->gamma[k + 3];
-    const double c0 = h->c[k], c1 = h->c[k + 1], c2 = h->c[k + 2], c3 = h->c[k + 3];
-    const double s0 = h->s[k], s1 = h->s[k + 1], s2 = h->s[k + 2], s3 = h->s[k + 3];
+    const size_t k1 = steps > 1 ? k + 1 : k, k2 = steps > 2 ? k + 2 : k, k3 = steps > 3 ? k + 3 : k;
+    const double beta0 = h->beta[k], beta1 = h->beta[k1], beta2 = h->beta[k2], beta3 = h->beta[k3];
+    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k1], gamma2 = h->gamma[k2], gamma3 = h->gamma[k3];
+    const double c0 = h->c[k], c1 = h->c[k1], c2 = h->c[k2], c3 = h->c[k3];
+    const double s0 = h->s[k], s1 = h->s[k1], s2 = h->s[k2], s3 = h->s[k3];
     LANES
     for (size_t i = 0; i < n; i++) {
         double s = w->s[i], q = first ? 1 : w->q[i], q1 = first ? 0 : w->q1[i], d = first ? 0 : w->d[i],
@@ -211,9 +249,8 @@ SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
     }
 }
 
-SGT_KERNEL
-static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
-                         double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void sum_harmonics(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
+                              double *restrict p, double *restrict px, double *restrict py)
 {
     zernike_work w;
     harmonic h;
@@ -235,9 +272,25 @@ static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const doub
     }
 }
 
+SGT_KERNEL
+static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
+                         double *p, double *px, double *py)
+{
+    sum_harmonics(z, only, n, x, y, p, px, py);
+}
+
+/* The same at one point, without the loops. */
+SGT_NOINLINE
+static void zernike_alone(const sgt_zernike *z, const double *x, const double *y, double *p, double *px,
+                          double *py)
+{
+    sum_harmonics(z, MOST_TERMS, 1, x, y, p, px, py);
+}
+
 static void zernike_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
-    zernike_sums(self, MOST_TERMS, n, x, y, out.p, out.px, out.py);
+    if (n == 1) zernike_alone(self, x, y, out.p, out.px, out.py);
+    else zernike_sums(self, MOST_TERMS, n, x, y, out.p, out.px, out.py);
 }
 
 static size_t zernike_parameters(const void *self) { return length(self); }
@@ -449,6 +502,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
            size = 0, steep = 0, bend = 0;
     const bool far = u > FAR_BEYOND; /* nearer, all is at most w^n times as great as at 1 */
+    const double by_root = root > 0 ? 1 / root : HUGE_VAL, by_inside = inside > 0 ? 1 / inside : HUGE_VAL;
     const double w = far ? 1 : growth(u);
     double grown = 1;
     for (size_t m = 0; zernike_place(z, m, 0) < terms; m++, grown *= w) {
@@ -461,8 +515,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
             bounds e = far ? zernike_beyond(k, m, u)
-                           : (bounds){1, first * root > n ? n / root : first,
-                                      second * inside > n2 ? n2 / inside : second};
+                           : (bounds){1, first * root > n ? n * by_root : first,
+                                      second * inside > n2 ? n2 * by_inside : second};
             size += both * e.size, steep += both * e.steep, bend += both * e.bend;
         }
     }

@@ -38,6 +38,7 @@ static double value_nowhere(sgt_vec3 *grad)
 static sgt_hit meet_orbit(const orbit *o, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_list list = {.cap = 0, .count = 0};
+    if (!ray_valid(ray)) return hit_without(SGT_INVALID, ray, 0);
     int evals = sgt_level_march(o, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
 }
