@@ -492,7 +492,8 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .noise = toroidal_noise,
                                              .noise_about = sgt_toroidal_noise_about,
                                              .noise_in_box = toroidal_noise_in_box,
-                                             .by_axis = sgt_toroidal_apart};
+                                             .by_axis = sgt_toroidal_apart,
+                                             .ahead = sgt_toroidal_ahead};
 
 /* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
