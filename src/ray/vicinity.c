@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
-#include <stdio.h>
-#include <stdlib.h>
 #include "general.h"
 #include "glance.h"
 #include "wings.h"
@@ -229,7 +227,7 @@ static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicin
 
 /* What a look at the start of a ray has said: nothing, as there was none; F is 0 there to within 2^-32 of its
  * terms; it is not. */
-enum { UNSEEN = 0, SEEN_ON, SEEN_OFF, SEEN_AHEAD };
+enum { UNSEEN = 0, SEEN_ON, SEEN_OFF, SEEN_AHEAD, SEEN_OPEN };
 
 /* Gives the bound back to the rays that start near the surface and not on it: before a chord there is a
  * root only if F is 0 at the start to within the rule of the start, which is far less than 2^-32 of its
@@ -564,14 +562,16 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-/* Asks the surface what is ahead of the rows from `from` on: of those only that are past it at their start, or
- * of all.  What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from others. */
+/* Asks the surface what is ahead of the rows from `from` on: of those only that leave it, by their seed or by a
+ * look, or have no seed; or of all.  What is not known begins later, perhaps.  Marks in `seen` those whose root is
+ * parted from others. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!(v->asked[i] > 0) || !(all || from[i] > v->tmin[i])) continue;
+        const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
+        if (!(v->asked[i] > 0 && (all || leaves))) continue;
         const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
                              v->tmin[i], v->tmax[i]};
         const sgt_vec3 o = ray.o, d = ray.d;
@@ -583,9 +583,7 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
             e.f = e.f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z)) ? e.f : HUGE_VAL;
         }
         v->evals[i] += 1;
-        sgt_ahead_kind DBG = s.ops->own_->ahead(s.self, &ray, &e);
-        if (getenv("AHEAD_DBG")) fprintf(stderr, "all %d kind %d from %g to %g clear %.9g lo %g hi %g  d %g %g %g o %g %g %g\n", all, DBG, from[i], e.to, e.clear, e.lo, e.hi, ray.d.x, ray.d.y, ray.d.z, ray.o.x, ray.o.y, ray.o.z);
-        switch (DBG) {
+        switch (s.ops->own_->ahead(s.self, &ray, &e)) {
         case AHEAD_OPEN: from[i] = larger(from[i], e.clear); break;
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
         case AHEAD_ONE:
@@ -594,6 +592,13 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
             break;
         }
     }
+}
+
+/* Rows without a seed are asked for that alone. */
+static void park(size_t n, const vicinity *v, double *seen)
+{
+    for (size_t i = 0; i < n; i++)
+        if (v->asked[i] > 0 && !(fabs(v->seed[i]) < HUGE_VAL)) v->asked[i] = 0, seen[i] = SEEN_OPEN;
 }
 
 static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *near,
@@ -613,8 +618,10 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
-    if (asks) {
-        look_ahead(s, n, &r, false, v, from, seen);
+    if (builtin->ahead) {
+        if (asks) look_ahead(s, n, &r, false, v, from, seen);
+        if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
+        park(n, v, seen);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
@@ -676,7 +683,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         if (monotone) v->asked[i] = 0;
         /* the rays that a march has answered: what their neighbours need is no matter */
         const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
-        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] == SEEN_AHEAD) continue;
+        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] >= SEEN_AHEAD) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
         /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
@@ -693,6 +700,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     memset(seen, 0, n * sizeof *seen);
     vicinity_of_rows(s, n, r, near, whole, kept, v, seen);
     /* a root ahead: `rounding` is asked at the very point */
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < n; i++) {
         if (seen[i] == SEEN_AHEAD) noise_about(s, HUGE_VAL, i, kept, v);
+        if (seen[i] == SEEN_OPEN) v->asked[i] = 1;
+    }
 }

@@ -112,7 +112,7 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), v
 
 /* Some rays, a row each.
  *
- *     asked, before    1: to be looked at, and the seed is a number; 0: not
+ *     asked, before    1: to be looked at, and the seed is a number, but for asks_ahead; 0: not
  *     lo, hi, before   of a surface with a rim: the span, read for the rows that are asked
  *     asked, after     1: nothing was found
  *                      0, lo > hi: a miss
@@ -136,6 +136,12 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
 {
     s.noise[0] = s.noise[1] = 0, s.most2 = HUGE_VAL;
     return s;
+}
+
+/* May a row without a seed be asked?  Only what is ahead of it is. */
+SGT_INLINE bool asks_ahead(sgt_surface s, bool near)
+{
+    return !near && s.ops->own_->ahead && !(s.ops->own_->rim(s.self) > 0);
 }
 
 /* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: NULL if

@@ -103,6 +103,16 @@ static double step_guessed(double a, double fall, double most, double bend, doub
     return safe < room ? safe : room;
 }
 
+/* How far behind the first of two points of unlike signs the root is, as the parabola has it that has G at both
+ * and G' at the first. */
+static double root_between(const ahead_look *a, const ahead_look *b, double h)
+{
+    double secant = h * (a->g / (a->g - b->g)), bend = (b->g - a->g - a->slope * h) / (h * h),
+           root = sqrt(a->slope * a->slope - 4 * bend * a->g), up = copysign(root, b->g - a->g),
+           by = -2 * a->g / (a->slope + up);
+    return by > 0 && by < h ? by : secant;
+}
+
 /* THE START: the step behind it.  0: not known. */
 static double step_off(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
                        const sgt_ahead *ahead)
@@ -156,7 +166,7 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
         moves = moves || (certain && like && stays_clear(a, b, h, most));
         if (unlike && !moves && parted(a, b, h, greatest)) {
             if (!ops->off(w, t, to)) {
-                ahead->lo = t, ahead->hi = to, ahead->seed = t + h * (a / (a + b));
+                ahead->lo = t, ahead->hi = to, ahead->seed = t + root_between(&at, &next, h);
                 return AHEAD_ONE;
             }
             moves = true;

@@ -100,7 +100,7 @@ static sgt_interval swept_over(double c_x, sgt_interval z)
     double most = larger(-z.lo, z.hi), off = AHEAD_LOST * most * (2 + fabs(c_x) * most) + AHEAD_LEAST,
            a = of_height(c_x, z.lo), b = of_height(c_x, z.hi), lo = smaller(a, b), hi = larger(a, b);
     double top = 1 / c_x; /* g is greatest there, or least, and 1 / c_x */
-    if (!(c_x * z.lo < 1 && c_x * z.hi < 1)) lo = smaller(lo, top), hi = larger(hi, top);
+    if ((c_x * z.lo < 1 + 0x1p-40) != (c_x * z.hi < 1 - 0x1p-40)) lo = smaller(lo, top), hi = larger(hi, top);
     return (sgt_interval){lo - off, hi + off};
 }
 
@@ -124,12 +124,25 @@ static ahead_look toroidal_way_at(const void *self, double t)
 }
 
 /* c_x z > 1 at both ends. */
-static bool toroidal_way_off(const void *self, double from, double to)
+static bool is_above_axis(const toroidal_way *w, double from, double to)
 {
-    const toroidal_way *w = self;
     const double c_x = w->a->c_x, a = w->oz + from * w->dz, b = w->oz + to * w->dz,
                  off = 0x1p-40 * (fabs(w->oz) + larger(fabs(from), fabs(to)) * fabs(w->dz));
     return smaller(c_x * a, c_x * b) > 1 + 0x1p-40 + fabs(c_x) * off;
+}
+
+/* 1 - c_x z_p. */
+static sgt_interval radius_over(double c_x, sgt_interval z)
+{
+    double most = 1 + fabs(c_x) * larger(-z.lo, z.hi), lost = AHEAD_LOST * most;
+    return (sgt_interval){1 - larger(c_x * z.lo, c_x * z.hi) - lost, 1 - smaller(c_x * z.lo, c_x * z.hi) + lost};
+}
+
+static bool toroidal_way_off(const void *self, double from, double to)
+{
+    const toroidal_way *w = self;
+    sgt_interval y = width_over(w, from, to), z[3];
+    return is_above_axis(w, from, to) || !profile_over(w, y.lo, y.hi, z) || radius_over(w->a->c_x, z[0]).hi < 0;
 }
 
 static ahead_over toroidal_way_over(const void *self, double from, double to)
@@ -138,11 +151,10 @@ static ahead_over toroidal_way_over(const void *self, double from, double to)
     const double c_x = w->a->c_x;
     const ahead_over none = {SGT_ANY_NUMBER, SGT_ANY_NUMBER, true};
     sgt_interval y = width_over(w, from, to), z[3];
-    if (toroidal_way_off(w, from, to) || !profile_over(w, y.lo, y.hi, z)) return none;
+    if (is_above_axis(w, from, to) || !profile_over(w, y.lo, y.hi, z)) return none;
     double heights = larger(-z[0].lo, z[0].hi), slopes = larger(-z[1].lo, z[1].hi), bends = larger(-z[2].lo, z[2].hi);
     double most = 1 + fabs(c_x) * heights;
-    sgt_interval q = {1 - larger(c_x * z[0].lo, c_x * z[0].hi) - AHEAD_LOST * most,
-                      1 - smaller(c_x * z[0].lo, c_x * z[0].hi) + AHEAD_LOST * most};
+    const sgt_interval q = radius_over(c_x, z[0]);
     if (q.hi < 0) return none;
     sgt_interval g = swept_over(c_x, z[0]), rest = sgt_ahead_poly_over(&w->rest, from, to);
     g.lo += rest.lo, g.hi += rest.hi;
@@ -207,7 +219,7 @@ static double toroidal_way_ends(const toroidal_way *w, double from, double to)
 {
     const double c_x = w->a->c_x, over = (1 / c_x - w->oz) / w->dz,
                  behind = over + 0x1p-20 * (fabs(over) + fabs(w->oz / w->dz) + fabs(from));
-    if (c_x * w->dz > 0 && behind > from && behind < to && toroidal_way_off(w, behind, behind)) to = behind;
+    if (c_x * w->dz > 0 && behind > from && behind < to && is_above_axis(w, behind, behind)) to = behind;
     if (w->k1c2 > 0) {
         double far = (copysign(1 / sqrt(w->k1c2), w->dy) - w->oy) / w->dy, off = fabs(far) + fabs(w->oy / w->dy);
         sgt_interval unused[3];
