@@ -22,7 +22,7 @@
  * the rule of the start, at t*, the root is not accepted (accept.h), and nothing else is met so far.
  *
  * A step is guessed from the slope, which is not relied on.  What is known of G'' over a stretch holds in each
- * part of it.  A root of G at which F certainly has none is stepped over.
+ * part of it.  A root of G at which F certainly has none is stepped over: all along some stretch that holds it.
  *
  * ROUNDING.  Each number is off by less than 2^-43 of the sum of the magnitudes of all that it is made of,
  * as there are at most 2^9 roundings of 2^-53, and 2^-900 for underflow.  Bounds are made wider by that, and
@@ -113,6 +113,20 @@ static double root_between(const ahead_look *a, const ahead_look *b, double h)
     return by > 0 && by < h ? by : secant;
 }
 
+/* G has one root between t and t + h, near t + root, where F has none.  How far behind t a stretch ends that holds
+ * that root and none of F; 0: not known. */
+static double past_root(const ahead_ops *ops, const void *w, double t, double root, double h, double sign)
+{
+    if (ops->off(w, t, t + h)) return h;
+    for (double off = 0x1p-6 * h; off > 0x1p-24 * h; off *= 0x1p-6) {
+        double from = t + larger(root - off, 0), to = t + smaller(root + off, h);
+        if (!ops->off(w, from, to)) continue;
+        ahead_look a = ops->at(w, from), b = ops->at(w, to);
+        return sign * a.g > a.err && -sign * b.g > b.err ? to - t : 0;
+    }
+    return 0;
+}
+
 /* THE START: the step behind it.  0: not known. */
 static double step_off(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
                        const sgt_ahead *ahead)
@@ -136,17 +150,17 @@ static double step_off(const ahead_ops *ops, const void *w, const ahead_look *at
 sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ahead)
 {
     const double end = ahead->to;
-    double t = ahead->from, known_to = t, h = end - t, before = 0;
+    double t = ahead->from, known_to = t, known = 0, h = end - t;
     ahead_look at = ops->at(w, t);
     ahead_over over = {{0, 0}, {0, 0}, false};
     ahead->clear = t;
-    if (ahead->f < HUGE_VAL && end > t) {
+    if (!(end > t)) return end == t ? AHEAD_NONE : AHEAD_OPEN;
+    if (ahead->f < HUGE_VAL) {
         double step = step_off(ops, w, &at, smaller(ahead->length, end - t), ahead);
         if (!(step > 0)) return AHEAD_OPEN;
         ahead->clear = t = known_to = t + step, h = end - t, at = ops->at(w, t);
         if (!(fabs(at.g) > at.err)) return AHEAD_OPEN;
     }
-    if (!(end > t)) return end == t ? AHEAD_NONE : AHEAD_OPEN;
     if (!(h < HUGE_VAL)) h = larger(4 * fabs(t - ahead->start), ahead->length);
     for (int i = 0; i < AHEAD_STEPS; i++) {
         const double a = fabs(at.g) - at.err, sign = at.g > 0 ? 1 : -1;
@@ -155,39 +169,39 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
         double to = t + h;
         if (!(to < end)) to = end, h = end - t;
         if (!(to > t && h > 0x1p-36 * fabs(t) && h < HUGE_VAL)) return AHEAD_OPEN;
-        const bool new = to > known_to;
-        if (new) over = ops->over(w, t, to), known_to = to;
+        if (to > known_to || 4 * h <= known) over = ops->over(w, t, to), known_to = to, known = h;
         bool moves = over.none || over.g.lo > 0 || over.g.hi < 0;
         ahead_look next = {0, 0, HUGE_VAL, HUGE_VAL};
         if (!(moves && to == end)) next = ops->at(w, to);
         const double b = fabs(next.g) - next.err, greatest = larger(-over.bend.lo, over.bend.hi),
                      most = sign > 0 ? over.bend.hi : -over.bend.lo, fall = -sign * at.slope;
         const bool like = b > 0 && sign * next.g > 0, unlike = certain && b > 0 && sign * next.g < 0;
+        double root = unlike ? root_between(&at, &next, h) : h;
         moves = moves || (certain && like && stays_clear(a, b, h, most));
         if (unlike && !moves && parted(a, b, h, greatest)) {
-            if (!ops->off(w, t, to)) {
-                ahead->lo = t, ahead->hi = to, ahead->seed = t + root_between(&at, &next, h);
+            double past = ops->off(w, t + root, t + root) ? past_root(ops, w, t, root, h, sign) : 0;
+            if (!(past > 0)) {
+                ahead->lo = t, ahead->hi = to, ahead->seed = t + root;
                 return AHEAD_ONE;
             }
             moves = true;
+            if (past < h) to = t + past, h = past, next = ops->at(w, to);
         }
         if (moves) {
-            ahead->clear = t = to, at = next, before = h;
+            const double rest = fabs(next.g) - next.err, falls = next.g > 0 ? -next.slope : next.slope,
+                         up = next.g > 0 ? over.bend.hi : -over.bend.lo;
+            ahead->clear = t = to, at = next;
             if (!(t < end)) return AHEAD_NONE;
-            h = t < known_to ? known_to - t : 2 * before;
-            const double rest = fabs(at.g) - at.err, falls = at.g > 0 ? -at.slope : at.slope,
-                         up = at.g > 0 ? over.bend.hi : -over.bend.lo;
-            if (rest > 0 && !over.none && greatest < HUGE_VAL)
-                h = step_guessed(rest, falls, up, greatest, h);
-            continue;
+            h = t < known_to ? known_to - t : 2 * h;
+            if (rest > 0 && !over.none && greatest < HUGE_VAL) h = step_guessed(rest, falls, up, greatest, h);
+        } else if (!certain || !(greatest < HUGE_VAL)) {
+            h *= 0.25;
+        } else if (unlike) {
+            h = root > 0.3 * h ? 0.8 * root : 1.3 * root;
+        } else {
+            double shorter = step_guessed(a, fall, most, greatest, h);
+            h = shorter < 0.125 * h ? 0.25 * h : shorter < 0.75 * h ? shorter : 0.5 * h;
         }
-        if (!certain || !(greatest < HUGE_VAL)) {
-            h *= 0.25, known_to = t;
-            continue;
-        }
-        double shorter = step_guessed(a, fall, most, greatest, h);
-        if (shorter < 0.125 * h && new) h *= 0.25, known_to = t;
-        else h = shorter < 0.75 * h ? shorter : 0.5 * h;
     }
     return AHEAD_OPEN;
 }

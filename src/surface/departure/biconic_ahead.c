@@ -100,9 +100,14 @@ static bool biconic_way_start(const void *self, double t, double f, double least
     return true;
 }
 
-/* A t behind which F is not defined, if that is before `to`. */
+/* A t behind which F is not defined, or is on the other sheet, if that is before `to`. */
 static double biconic_way_ends(const biconic_way *w, double from, double to)
 {
+    if (w->plain) {
+        double over = (1 / w->b - w->z.c[0]) / w->z.c[1];
+        over += 0x1p-20 * (fabs(over) + fabs(w->z.c[0] / w->z.c[1]) + fabs(from));
+        return w->b * w->z.c[1] > 0 && over > from && over < to && biconic_way_off(w, over, over) ? over : to;
+    }
     const double *c = w->inside.c;
     if (!(c[2] < 0)) return to;
     double end = (-c[1] - sqrt(c[1] * c[1] - 4 * c[2] * c[0])) / (2 * c[2]);
@@ -133,8 +138,8 @@ sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead
         const ahead_poly twice = ahead_sum(n, ahead_scaled(w.z, -2));
         w.g = ahead_sum(ahead_product(&n, &twice), ahead_product(&z2, &q));
         w.inside = ahead_sum(one, ahead_scaled(q, -1));
-        ahead->to = biconic_way_ends(&w, ahead->from, ahead->to);
     }
+    ahead->to = biconic_way_ends(&w, ahead->from, ahead->to);
     w.bend = sgt_ahead_poly_bend(&w.g);
     return sgt_look_ahead(&ops, &w, ahead);
 }
