@@ -347,7 +347,7 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
     bool rimmed = chords && w->rim2 < HUGE_VAL;
-    double all = (double)n, seedless = asks_ahead(w->s, w->near != 0) ? 1 : 0;
+    double all = (double)n, seedless = asks_ahead(&w->shared, w->near != 0) ? 1 : 0;
     if (rimmed && (single_from_above(a, &rays, n) == all || steadily_single(a, &rays, n) == all)) return;
     if (chords && !rimmed && above_zero(n, a->least) == all) return;
     if ((chords ? chords_asked(a, rimmed, &rays, n, a->x) : nearby_asked(a, n, seedless, a->x)) == 0) return;

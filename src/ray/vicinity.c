@@ -564,7 +564,7 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
 
 /* Asks the surface what is ahead of the rows from `from` on: of those only that leave it, by their seed or by a
  * look, or have no seed; or of all.  What is not known begins later, perhaps.  Marks in `seen` those whose root is
- * parted from others. */
+ * parted from others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
@@ -582,7 +582,6 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
             e.f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
             e.f = e.f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z)) ? e.f : HUGE_VAL;
         }
-        v->evals[i] += 1;
         switch (s.ops->own_->ahead(s.self, &ray, &e)) {
         case AHEAD_OPEN: from[i] = larger(from[i], e.clear); break;
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
@@ -613,12 +612,12 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
     double from[VICINITY_MOST];
-    const bool asks = marches && builtin->ahead;
+    const bool asks = marches && whole->ahead;
     memcpy(from, v->tmin, n * sizeof *from);
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
-    if (builtin->ahead) {
+    if (whole->ahead && !near) {
         if (asks) look_ahead(s, n, &r, false, v, from, seen);
         if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
         park(n, v, seen);

@@ -139,10 +139,7 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
 }
 
 /* May a row without a seed be asked?  Only what is ahead of it is. */
-SGT_INLINE bool asks_ahead(sgt_surface s, bool near)
-{
-    return !near && s.ops->own_->ahead && !(s.ops->own_->rim(s.self) > 0);
-}
+SGT_INLINE bool asks_ahead(const sgt_shared *whole, bool near) { return !near && whole->ahead; }
 
 /* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: NULL if
  * the first root is wanted, and not that near the seed. */

@@ -123,6 +123,7 @@ typedef struct sgt_shared {
     bool by_axis;
     bool boxed;  /* extent_in_part says more than extent_within */
     bool tailed; /* a tail may be known */
+    bool ahead;  /* `ahead` may answer */
 } sgt_shared;
 
 /* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
@@ -252,8 +253,8 @@ struct sgt_builtin_ops {
     bool (*bent)(const void *self, sgt_interval *bent);
     /* Fills in what is known of a part.  false: no more is known than within the radius. */
     bool (*extent_in_part)(const void *self, sgt_part *part);
-    /* Looks along the ray from `from` to `to`, where it is not on the surface as far as rounding tells.  NULL:
-     * the answer is always AHEAD_OPEN.  Called by ray/vicinity.c. */
+    /* Looks along the ray from `from` to `to`, where it is not on the surface as far as rounding tells, but
+     * see sgt_ahead.  Asked where sgt_shared says so.  Called by ray/vicinity.c. */
     sgt_ahead_kind (*ahead)(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
     bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
