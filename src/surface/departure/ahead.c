@@ -161,6 +161,7 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
         ahead->clear = t = known_to = t + step, h = end - t, at = ops->at(w, t);
         if (!(fabs(at.g) > at.err)) return AHEAD_OPEN;
     }
+    h *= ahead->part;
     if (!(h < HUGE_VAL)) h = larger(4 * fabs(t - ahead->start), ahead->length);
     for (int i = 0; i < AHEAD_STEPS; i++) {
         const double a = fabs(at.g) - at.err, sign = at.g > 0 ? 1 : -1;

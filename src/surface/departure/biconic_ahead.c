@@ -139,7 +139,7 @@ sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead
         w.g = ahead_sum(ahead_product(&n, &twice), ahead_product(&z2, &q));
         w.inside = ahead_sum(one, ahead_scaled(q, -1));
     }
-    ahead->to = biconic_way_ends(&w, ahead->from, ahead->to);
+    ahead->to = biconic_way_ends(&w, ahead->from, ahead->to), ahead->part = 1;
     w.bend = sgt_ahead_poly_bend(&w.g);
     return sgt_look_ahead(&ops, &w, ahead);
 }

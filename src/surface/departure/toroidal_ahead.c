@@ -36,18 +36,21 @@ typedef struct toroidal_way {
 /* Sums of the powers at |y|: of those with a > 0, and those with a < 0; z, z', z''. */
 typedef struct ahead_powers { double up[3], down[3]; } ahead_powers;
 
+/* With P the sum of a y^(2i) and R = y^2: z = R P, z' = 2 y (P + R P'), z'' = 2 (P + R P') + 4 R (2 P' + R P''). */
 static ahead_powers powers_at(const toroidal_way *w, double y)
 {
-    double y2 = y * y, z[2] = {0, 0}, dz[2] = {0, 0}, ddz[2] = {0, 0};
+    double R = y * y, p[2] = {0, 0}, d[2] = {0, 0}, dd[2] = {0, 0};
     for (int i = w->terms - 1; i >= 0; i--) {
         const double a = w->a->a[i], part[2] = {larger(a, 0), larger(-a, 0)};
-        for (int j = 0; j < 2; j++) {
-            z[j] = z[j] * y2 + part[j];
-            dz[j] = dz[j] * y2 + (2 * i + 2) * part[j];
-            ddz[j] = ddz[j] * y2 + (2 * i + 2) * (2 * i + 1) * part[j];
-        }
+        for (int j = 0; j < 2; j++)
+            dd[j] = dd[j] * R + d[j], d[j] = d[j] * R + p[j], p[j] = p[j] * R + part[j];
     }
-    return (ahead_powers){{z[0] * y2, dz[0] * y, ddz[0]}, {z[1] * y2, dz[1] * y, ddz[1]}};
+    ahead_powers out;
+    for (int j = 0; j < 2; j++) {
+        double first = p[j] + R * d[j], *to = j ? out.down : out.up;
+        to[0] = R * p[j], to[1] = 2 * (y * first), to[2] = 2 * first + 8 * (R * (d[j] + R * dd[j]));
+    }
+    return out;
 }
 
 /* The conic's z, z', z'' at |y|, of |c|, with phi^2 as given. */
@@ -57,7 +60,9 @@ static void conic_at(double c, double y, double phi2, double out[3])
     out[0] = c * y * y / (1 + phi), out[1] = c * y / phi, out[2] = c / (phi * phi * phi);
 }
 
-/* z_p, z_p' of |y| and z_p'' where |y| is between from and to.  false: it is nowhere defined. */
+/* z_p, z_p' of |y| and z_p'' where |y| is between from and to.  false: it is nowhere defined.  Where these are next
+ * to each other, the powers and their slopes are at `from` what they are at `to`, less their greatest derivative
+ * times the width; and z_p'' is not known well. */
 static bool profile_over(const toroidal_way *w, double from, double to, sgt_interval out[3])
 {
     const double c = fabs(w->a->c), bent_from = w->k1c2 * from * from, bent_to = w->k1c2 * to * to;
@@ -73,7 +78,12 @@ static bool profile_over(const toroidal_way *w, double from, double to, sgt_inte
         conic_at(c, from, phi2_from - off_from, near), conic_at(c, to, phi2_to + off_to, far);
         least[2] = far[2], most[2] = near[2];
     }
-    const ahead_powers near = powers_at(w, from), far = powers_at(w, to);
+    const ahead_powers far = powers_at(w, to);
+    ahead_powers near = {{0, 0, 0}, {0, 0, 0}};
+    if (to - from <= 0x1p-20 * to)
+        for (int j = 0; j < 2; j++)
+            near.up[j] = far.up[j] - (to - from) * far.up[j + 1], near.down[j] = far.down[j] - (to - from) * far.down[j + 1];
+    else near = powers_at(w, from);
     for (int j = 0; j < 3; j++) {
         double lo = w->a->c >= 0 ? least[j] : -most[j], hi = w->a->c >= 0 ? most[j] : -least[j],
                off = AHEAD_LOST * (most[j] + far.up[j] + far.down[j]) + AHEAD_LEAST;
@@ -245,6 +255,6 @@ sgt_ahead_kind sgt_toroidal_ahead(const void *self, const sgt_ray *ray, sgt_ahea
     while (w.terms > 0 && a->a[w.terms - 1] == 0) w.terms--;
     w.rest = ahead_sum(ahead_scaled(ahead_sum(ahead_product(&x, &x), ahead_product(&z, &z)), a->c_x),
                        ahead_scaled(z, -2));
-    ahead->to = toroidal_way_ends(&w, ahead->from, ahead->to);
+    ahead->to = toroidal_way_ends(&w, ahead->from, ahead->to), ahead->part = 0.4;
     return sgt_look_ahead(&ops, &w, ahead);
 }
