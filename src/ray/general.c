@@ -211,7 +211,7 @@ static bool root_nearby_by(walk *w, const sgt_span *span, bool near, vicinities 
     double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
            begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
-    if (!(fabs(seed) < HUGE_VAL) && !asks_ahead(&w->shared, near)) return false;
+    if (!(fabs(seed) < HUGE_VAL) && !(asks_ahead(&w->shared, near) && !marches_chord(&w->shared))) return false;
     const double whole = w->least;
     slopes_known within;
     slopes_begin(&within);

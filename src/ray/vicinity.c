@@ -621,7 +621,10 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         if (asks) look_ahead(s, n, &r, false, v, from, seen);
         if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
         park(n, v, seen);
-        if (asked_all(n, v->asked) == 0) return;
+        if (asked_all(n, v->asked) == 0) { /* rows that were not asked have no bound, too */
+            for (size_t i = 0; i < n; i++) noise_about(s, HUGE_VAL, i, kept, v);
+            return;
+        }
     }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {

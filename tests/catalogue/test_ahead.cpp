@@ -175,7 +175,10 @@ void ask(const char *type, const specimen &s, const std::vector<sgt_ray> &rays, 
                                                std::memcmp(&one.t_err, &t_err[i], sizeof t[i]) == 0));
         all.rays++, all.hits += one.status > 0, all.misses += one.status == SGT_MISS;
         all.undecided += one.status < 0;
-        if (!same && all.differ++ < 3) told(type, "in a batch another answer", s, r, one, t[i]);
+        if (!same && all.differ++ < 3) {
+            std::printf("%d and %d evaluations, %s in the batch\n", one.evals, evals[i], sgt_status_text(status[i]));
+            told(type, "in a batch another answer", s, r, one, t[i]);
+        }
         if (one.status < 0) continue;
         if (one.status > 0 && !is_root(exact, r, one) && all.false_hits++ < 3)
             told(type, "no root", s, r, one, one.t);
