@@ -661,6 +661,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {
+        if (!rimmed && whole->ahead) look_ahead(s, n, &r, true, v, from, seen);
         if (!rimmed) along_chord(s, n, r, whole, kept, v);
         return;
     }

@@ -189,8 +189,10 @@ size_t sgt_departure_parameters(const departure_sag *s);
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points p, sgt_values out);
 sgt_objection sgt_departure_object(const departure_sag *s);
 
-/* Of one type each (biconic_ahead.c, toroidal_ahead.c). */
+/* Of one type each (biconic_ahead.c, grid_ahead.c, toroidal_ahead.c). */
 sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+departure_sag sgt_grid_sag(const sgt_grid *g);
+sgt_ahead_kind sgt_grid_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
 sgt_ahead_kind sgt_toroidal_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
 
 /* Helper for `object`: are all n numbers finite?  x - x is 0 if x is finite, else NaN. */
