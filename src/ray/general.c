@@ -211,7 +211,8 @@ static bool root_nearby_by(walk *w, const sgt_span *span, bool near, vicinities 
     double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
            begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
-    if (!(fabs(seed) < HUGE_VAL) && !(asks_ahead(&w->shared, near) && !marches_chord(&w->shared))) return false;
+    const bool seedless = asks_ahead(&w->shared, near) && !marches_chord(&w->shared);
+    if (!(fabs(seed) < HUGE_VAL) && !seedless) return false;
     const double whole = w->least;
     slopes_known within;
     slopes_begin(&within);
@@ -310,6 +311,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
+    if (all && asks_ahead(&w.shared, false) && sgt_nothing_ahead(s, ray)) return 0;
     /* step 2 */
     bool weak = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
                 is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared) &&

@@ -562,9 +562,29 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-/* Asks the surface what is ahead of the rows from `from` on: of those only that leave it, by their seed or by a
- * look, or have no seed; or of all.  What is not known begins later, perhaps.  Marks in `seen` those whose root is
- * parted from others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
+/* Asks the surface what is ahead of the ray from `from` on. */
+static sgt_ahead_kind ahead_of(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e)
+{
+    const sgt_vec3 o = ray->o, d = ray->d;
+    *e = (sgt_ahead){.start = ray->tmin, .from = from, .to = ray->tmax, .f = HUGE_VAL, .clear = from};
+    e->length = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
+    if (from == 0 && starts_low(o, ray->tmin)) {
+        sgt_vec3 unused;
+        double f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
+        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f = f;
+    }
+    return s.ops->own_->ahead(s.self, ray, e);
+}
+
+bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
+{
+    sgt_ahead e;
+    return fabs(ray->tmin) < HUGE_VAL && ahead_of(s, ray, ray->tmin, &e) == AHEAD_NONE;
+}
+
+/* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or of all.
+ * What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from others.  F is not
+ * asked for, but at starts: this is not counted, and no watcher is told of it. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
@@ -572,17 +592,10 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
     for (size_t i = 0; i < n; i++) {
         const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
         if (!(v->asked[i] > 0 && (all || leaves))) continue;
-        const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
-                             v->tmin[i], v->tmax[i]};
-        const sgt_vec3 o = ray.o, d = ray.d;
-        sgt_ahead e = {.start = v->tmin[i], .from = from[i], .to = v->tmax[i], .f = HUGE_VAL, .clear = from[i]};
-        e.length = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
-        if (from[i] == 0 && starts_low(o, v->tmin[i])) {
-            sgt_vec3 unused;
-            e.f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
-            e.f = e.f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z)) ? e.f : HUGE_VAL;
-        }
-        switch (s.ops->own_->ahead(s.self, &ray, &e)) {
+        sgt_ray ray = ray_of(r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        sgt_ahead e;
+        switch (ahead_of(s, &ray, from[i], &e)) {
         case AHEAD_OPEN: from[i] = larger(from[i], e.clear); break;
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
         case AHEAD_ONE:
@@ -590,6 +603,19 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
             seen[i] = SEEN_AHEAD;
             break;
         }
+    }
+}
+
+/* Marks the rows at whose start F is 0 to within 2^-32 of its terms. */
+SGT_NOINLINE
+static void see_starts(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v, double *seen)
+{
+    for (size_t i = 0; i < n; i++) {
+        const sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]};
+        sgt_vec3 g;
+        if (!(v->asked[i] > 0 && starts_low(o, v->tmin[i]))) continue;
+        double f = s.ops->value(s.self, o, &g);
+        if (fabs(f) <= 0x1p-32 * (fabs(o.x * g.x) + fabs(o.y * g.y) + fabs(o.z * g.z))) seen[i] = SEEN_ON;
     }
 }
 
@@ -605,15 +631,20 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
+    double from[VICINITY_MOST];
+    memcpy(from, v->tmin, n * sizeof *from);
+    if (chords && whole->ahead) {
+        see_starts(s, n, &r, v, seen);
+        look_ahead(s, n, &r, false, v, from, seen);
+        if (asked_all(n, v->asked) == 0) return;
+    }
     if (rimmed) { /* what is left has no F on a part of its chord */
         along_chord(s, n, r, whole, kept, v);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
-    double from[VICINITY_MOST];
     const bool asks = marches && whole->ahead;
-    memcpy(from, v->tmin, n * sizeof *from);
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
@@ -661,7 +692,6 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {
-        if (!rimmed && whole->ahead) look_ahead(s, n, &r, true, v, from, seen);
         if (!rimmed) along_chord(s, n, r, whole, kept, v);
         return;
     }

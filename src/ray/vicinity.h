@@ -146,6 +146,9 @@ SGT_INLINE bool asks_ahead(const sgt_shared *whole, bool near) { return !near &&
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
 
+/* Is no root accepted on the ray, as `ahead` has it (sgt_shared)? */
+bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray);
+
 /* The heights of the whole surface. */
 SGT_INLINE const sgt_heights *heights_about(sgt_surface s, vicinities *kept)
 {

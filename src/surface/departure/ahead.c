@@ -128,7 +128,7 @@ static double past_root(const ahead_ops *ops, const void *w, double t, double ro
 }
 
 /* THE START: the step behind it.  0: not known. */
-static double step_off(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
+static double step_behind(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
                        const sgt_ahead *ahead)
 {
     double t = ahead->from, h = length;
@@ -154,9 +154,9 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
     ahead_look at = ops->at(w, t);
     ahead_over over = {{0, 0}, {0, 0}, false};
     ahead->clear = t;
-    if (!(end > t)) return end == t ? AHEAD_NONE : AHEAD_OPEN;
+    if (!(end > t && fabs(t) < HUGE_VAL)) return end == t ? AHEAD_NONE : AHEAD_OPEN;
     if (ahead->f < HUGE_VAL) {
-        double step = step_off(ops, w, &at, smaller(ahead->length, end - t), ahead);
+        double step = step_behind(ops, w, &at, smaller(ahead->length, end - t), ahead);
         if (!(step > 0)) return AHEAD_OPEN;
         ahead->clear = t = known_to = t + step, h = end - t, at = ops->at(w, t);
         if (!(fabs(at.g) > at.err)) return AHEAD_OPEN;
@@ -169,7 +169,7 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
         if (!(end < HUGE_VAL) && ops->tail(w, t, certain ? sign : 0)) return AHEAD_NONE;
         double to = t + h;
         if (!(to < end)) to = end, h = end - t;
-        if (!(to > t && h > 0x1p-36 * fabs(t) && h < HUGE_VAL)) return AHEAD_OPEN;
+        if (!(to > t && h > 0x1p-36 * fabs(t) && to < 0x1p200)) return AHEAD_OPEN;
         if (to > known_to || 4 * h <= known) over = ops->over(w, t, to), known_to = to, known = h;
         bool moves = over.none || over.g.lo > 0 || over.g.hi < 0;
         ahead_look next = {0, 0, HUGE_VAL, HUGE_VAL};

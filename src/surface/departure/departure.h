@@ -157,6 +157,12 @@ SGT_INLINE departure_sag sgt_departure_narrowed(departure_sag s, double most)
     return s;
 }
 
+/* A rim of the greatest numbers is none. */
+SGT_INLINE bool looks_ahead(const departure_sag *s)
+{
+    return s->of->ahead && !(s->semi_diameter > 0 && s->semi_diameter < 0x1p400);
+}
+
 double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad);
 void sgt_departure_values(const departure_sag *s, size_t n, sgt_points p, sgt_values out);
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
@@ -263,8 +269,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  sgt_ahead_kind NAME##_ops_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead),    \
-                 return v.of->ahead && !(v.semi_diameter > 0) ? v.of->ahead(v.self, ray, ahead)              \
-                                                              : AHEAD_OPEN)                                  \
+                 return looks_ahead(&v) ? v.of->ahead(v.self, ray, ahead) : AHEAD_OPEN)                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
                                            double e1[]),                                                     \
