@@ -311,7 +311,6 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
-    if (all && asks_ahead(&w.shared, false) && sgt_nothing_ahead(s, ray)) return 0;
     /* step 2 */
     bool weak = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
                 is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared) &&
@@ -335,6 +334,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
     if ((span.single || near) && !jumps && !w.told.stopped && one_root(&w, &a, &span, near))
         return w.told.evals - w.told.before;
+    const bool asks = asks_ahead(&w.shared, near) && is_catalogue(s.ops) && !w.told.stopped;
+    if (asks && sgt_nothing_ahead(s, ray)) return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
     bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;
     if (over(&w) || what == ONE_QUICKLY)

@@ -279,8 +279,8 @@ static double above_zero(size_t n, const double *of)
     return count;
 }
 
-/* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used.  seedless:
- * 1 if lanes without a seed are, too. */
+/* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used.
+ * seedless: 1 if lanes without a seed are, too. */
 SGT_KERNEL
 static double nearby_asked(const lanes *a, size_t n, double seedless, double *asked)
 {

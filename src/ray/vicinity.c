@@ -582,9 +582,9 @@ bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
     return fabs(ray->tmin) < HUGE_VAL && ahead_of(s, ray, ray->tmin, &e) == AHEAD_NONE;
 }
 
-/* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or of all.
- * What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from others.  F is not
- * asked for, but at starts: this is not counted, and no watcher is told of it. */
+/* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
+ * of all. What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from
+ * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)

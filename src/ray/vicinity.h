@@ -49,6 +49,11 @@
  * thousand lengths along it, and across them it ends after sixty.  So it is followed through a box (wings.c),
  * and also where it may begin on the mirror.
  *
+ * AHEAD.  A toroid, a biconic and a grid without a rim know what is ahead of a ray
+ * (surface/departure/ahead.c): nothing, or a stretch with one root at most, which Newton's steps are left to
+ * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
+ * circle has decided.
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.

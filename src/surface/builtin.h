@@ -167,7 +167,8 @@ typedef struct sgt_even_sag { double c, k, semi_diameter; int terms; const doubl
 /* What `ahead` is asked, and answers: nothing is known beyond `clear`; no root is ahead; the next root, if
  * there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and before lo, there is none.
  * start: the ray's own.  f: |F| at `from` at most, if that is the origin and may be on the surface; else
- * infinite.  A root there that the rule of the start drops is none.  length: of a first step (in t); part: of a way with an end, set by the surface. */
+ * infinite.  A root there that the rule of the start drops is none.  length: of a first step (in t); part: of
+ * a way with an end, set by the surface. */
 typedef enum sgt_ahead_kind { AHEAD_OPEN, AHEAD_NONE, AHEAD_ONE } sgt_ahead_kind;
 typedef struct sgt_ahead { double start, from, to, f, length, part, clear, lo, hi, seed; } sgt_ahead;
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Rays that leave, or come at, a toroid, a biconic, a cylinder or a grid without a rim, in directions of the whole
-// sphere: is a root passed over, or a hit no root (src/surface/departure/ahead.c)?
+// Rays that leave, or come at, a toroid, a biconic, a cylinder or a grid without a rim, in directions of the
+// whole sphere: is a root passed over, or a hit no root (src/surface/departure/ahead.c)?
 //
-// F is looked at along each ray in doubles, at some 2,000 points from 1e-8 to 1e4 of the surface's size, with no
-// knowledge of the library.  Where it changes its sign, the root between is found by bisection in 113 bits.  If it is
-// certainly not the start (8 times the rule, by its terms and slope in 113 bits) and before the hit, or there is no
-// hit, it has been lost.  A hit is a root if F has unlike signs, in 113 bits, within its t_err or next to it.  Each
-// batch of 200 has to answer as the single rays do, to the last bit and evaluation.
+// F is looked at along each ray in doubles, at some 2,000 points from 1e-8 to 1e4 of the surface's size, with
+// no knowledge of the library.  Where it changes its sign, the root between is found by bisection in 113
+// bits.  If it is certainly not the start (8 times the rule, and rounding) and before the hit, or there is no
+// hit, it has been lost.  A hit is a root if F has unlike signs, in 113 bits, within its t_err.  Each batch
+// has to answer as the single rays do, to the last bit and evaluation.
 #include "specimens.h"
 
 #include <algorithm>
@@ -15,9 +15,12 @@
 
 using namespace catalogue;
 
-namespace {
+namespace
+{
 
-struct counted { long rays, hits, misses, undecided, lost, false_hits, differ; } all;
+struct counted {
+    long rays, hits, misses, undecided, lost, false_hits, differ;
+} all;
 
 template <class T> T along(const formula<T> &f, const sgt_ray &r, T t)
 {
@@ -72,7 +75,8 @@ bool draw(generator &g, const specimen &s, const formula<double> &rough, sgt_ray
     const double radius = s.h * std::sqrt(g.uniform(0, 2)) * (g.chance(0.2) ? g.log_uniform(1e-6, 1) : 1),
                  about = g.uniform(0, 6.28), x = radius * std::cos(about), y = radius * std::sin(about),
                  z = -rough(x, y, 0.0), to = g.uniform(0, 6.28), up = g.uniform(-1, 1), e = 0x1p-20 * s.h,
-                 across = std::sqrt(1 - up * up), nx = (rough(x + e, y, 0.0) - rough(x - e, y, 0.0)) / (2 * e),
+                 across = std::sqrt(1 - up * up),
+                 nx = (rough(x + e, y, 0.0) - rough(x - e, y, 0.0)) / (2 * e),
                  ny = (rough(x, y + e, 0.0) - rough(x, y - e, 0.0)) / (2 * e);
     if (!(z == z)) return false;
     sgt_vec3 d = {across * std::cos(to), across * std::sin(to), up};
@@ -101,15 +105,16 @@ std::vector<double> places(const sgt_ray &r, double h, double end)
     const double first = 1e-8 * h, last = std::min(end, 1e4 * h), far = std::hypot(r.o.x, r.o.y, r.o.z),
                  near = std::max(far - 30 * h, 0.0);
     std::vector<double> t;
-    for (int j = 0; j <= 600 && last > first; j++) t.push_back(r.tmin + first * std::pow(last / first, j / 600.0));
+    for (int j = 0; j <= 600 && last > first; j++)
+        t.push_back(r.tmin + first * std::pow(last / first, j / 600.0));
     for (int j = 0; j <= 1200; j++) t.push_back(near + 60 * h * j / 1200);
     std::sort(t.begin(), t.end());
     return t;
 }
 
 // Is there a root in [left, right] that a hit, or a miss, has passed over?
-bool passed_over(const specimen &s, const formula<quad> &exact, const sgt_ray &r, const sgt_hit &got, quad left,
-                 quad right)
+bool passed_over(const specimen &s, const formula<quad> &exact, const sgt_ray &r, const sgt_hit &got,
+                 quad left, quad right)
 {
     const quad before = along(exact, r, left), behind = along(exact, r, right);
     if (!(before * behind < 0)) return false;
@@ -139,12 +144,14 @@ bool is_root(const formula<quad> &exact, const sgt_ray &r, const sgt_hit &got)
     return !(a == a && b == b) || a * b <= 0 || got.status == SGT_GRAZE;
 }
 
-void told(const char *type, const char *what, const specimen &s, const sgt_ray &r, const sgt_hit &got, double at)
+void told(const char *type, const char *what, const specimen &s, const sgt_ray &r, const sgt_hit &got,
+          double at)
 {
-    std::printf("%s: %s at %.17g, %s %.17g +- %g\n    o %.17g %.17g %.17g, d %.17g %.17g %.17g, from %.17g up to "
-                "%.17g\n    ",
-                type, what, at, sgt_status_text(got.status), got.t, got.t_err, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y,
-                r.d.z, r.tmin, r.tmax);
+    std::printf(
+        "%s: %s at %.17g, %s %.17g +- %g\n    o %.17g %.17g %.17g, d %.17g %.17g %.17g, from %.17g up to "
+        "%.17g\n    ",
+        type, what, at, sgt_status_text(got.status), got.t, got.t_err, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y,
+        r.d.z, r.tmin, r.tmax);
     print_surface(s.s);
 }
 
@@ -176,7 +183,8 @@ void ask(const char *type, const specimen &s, const std::vector<sgt_ray> &rays, 
         all.rays++, all.hits += one.status > 0, all.misses += one.status == SGT_MISS;
         all.undecided += one.status < 0;
         if (!same && all.differ++ < 3) {
-            std::printf("%d and %d evaluations, %s in the batch\n", one.evals, evals[i], sgt_status_text(status[i]));
+            std::printf("%d and %d evaluations, %s in the batch\n", one.evals, evals[i],
+                        sgt_status_text(status[i]));
             told(type, "in a batch another answer", s, r, one, t[i]);
         }
         if (one.status < 0) continue;
@@ -195,7 +203,7 @@ void ask(const char *type, const specimen &s, const std::vector<sgt_ray> &rays, 
     }
 }
 
-}  // namespace
+} // namespace
 
 int main()
 {
@@ -219,10 +227,12 @@ int main()
             }
             if (!rays.empty()) ask(type, s, rays, rough);
         }
-        std::printf("%-9s %6ld rays, %6ld hits, %6ld misses, %4ld undecided, %ld roots lost, %ld hits no root, %ld "
-                    "differ in a batch\n",
-                    type, all.rays, all.hits, all.misses, all.undecided, all.lost, all.false_hits, all.differ);
-        good = good && all.lost == 0 && all.false_hits == 0 && all.differ == 0 && all.undecided <= all.rays / 10;
+        std::printf(
+            "%-9s %6ld rays, %6ld hits, %6ld misses, %4ld undecided, %ld roots lost, %ld hits no root, %ld "
+            "differ in a batch\n",
+            type, all.rays, all.hits, all.misses, all.undecided, all.lost, all.false_hits, all.differ);
+        good =
+            good && all.lost == 0 && all.false_hits == 0 && all.differ == 0 && all.undecided <= all.rays / 10;
     }
     return !good;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 /* ahead.c - the way of a ray from some point on: nothing is met, or one root is parted from all others.
  *
- * WHAT IS LOOKED AT is not F = z - s(x, y) but a function G of t without the root of the sag: a polynomial, or
- * one with a profile in it.  Each root of F is one of G.  G has others, on sheets that are no part of the
- * surface.  So that G has no root in a stretch says that F has none; that it has one says no more than that F
- * has one at most.  Whether it has, and where, is told by F itself (ray/lanes.c, ray/walk.c).
+ * WHAT IS LOOKED AT is not F = z - s(x, y) but a function G of t without the root of the sag: a polynomial,
+ * or one with a profile in it.  Each root of F is one of G.  G has others, on sheets that are no part of the
+ * surface.  So that G has no root in a stretch says that F has none; that it has one says no more than that
+ * F has one at most.  Whether it has, and where, is told by F itself (ray/lanes.c, ray/walk.c).
  *
  * THE MARCH goes from t to e = t + h, where G is at least a and b away from zero:
  *
@@ -16,13 +16,15 @@
  *     a + b > B h^2 / 2                           that by B h / 2 at most: one root
  *     else                                        h is made shorter
  *
- * THE START.  Let |F| be at most f where the march begins, on the surface or next to it, and G = K F.  As far
- * as |G'| is between l > 0 and u, G has one root at most.  If F has it, at t* behind the start, then t* <= f |K_0|
- * / l, and |F'| = |G'| / |K| there.  So t* |F'| <= f (u / l) |K_0 / K|.  If that is less than 2^-48 of the terms of
- * the rule of the start, at t*, the root is not accepted (accept.h), and nothing else is met so far.
+ * THE START.  Let |F| be at most f where the march begins, on the surface or next to it, and G = K F.  As
+ * far as |G'| is between l > 0 and u, G has one root at most.  If F has it, at t* behind the start, then t*
+ * <= f |K_0| / l, and |F'| = |G'| / |K| there.  So t* |F'| <= f (u / l) |K_0 / K|.  If that is less than
+ * 2^-48 of the terms of the rule of the start, at t*, the root is not accepted (accept.h), and nothing else
+ * is met so far.
  *
- * A step is guessed from the slope, which is not relied on.  What is known of G'' over a stretch holds in each
- * part of it.  A root of G at which F certainly has none is stepped over: all along some stretch that holds it.
+ * A step is guessed from the slope, which is not relied on.  What is known of G'' over a stretch holds in
+ * each part of it.  A root of G at which F certainly has none is stepped over: all along some stretch that
+ * holds it.
  *
  * ROUNDING.  Each number is off by less than 2^-43 of the sum of the magnitudes of all that it is made of,
  * as there are at most 2^9 roundings of 2^-53, and 2^-900 for underflow.  Bounds are made wider by that, and
@@ -91,7 +93,10 @@ static bool stays_clear(double a, double b, double h, double most)
     return !(most > 0) || h * sqrt(0.5 * most) * (1 + 0x1p-20) < sqrt(a) + sqrt(b);
 }
 
-static bool parted(double a, double b, double h, double most) { return a + b > (0.5 + 0x1p-20) * most * h * h; }
+static bool parted(double a, double b, double h, double most)
+{
+    return a + b > (0.5 + 0x1p-20) * most * h * h;
+}
 
 /* The next step, if G falls to zero at this rate, or rises (fall < 0). */
 static double step_guessed(double a, double fall, double most, double bend, double room)
@@ -103,8 +108,8 @@ static double step_guessed(double a, double fall, double most, double bend, doub
     return safe < room ? safe : room;
 }
 
-/* How far behind the first of two points of unlike signs the root is, as the parabola has it that has G at both
- * and G' at the first. */
+/* How far behind the first of two points of unlike signs the root is, as the parabola has it that has G at
+ * both and G' at the first. */
 static double root_between(const ahead_look *a, const ahead_look *b, double h)
 {
     double secant = h * (a->g / (a->g - b->g)), bend = (b->g - a->g - a->slope * h) / (h * h),
@@ -113,8 +118,8 @@ static double root_between(const ahead_look *a, const ahead_look *b, double h)
     return by > 0 && by < h ? by : secant;
 }
 
-/* G has one root between t and t + h, near t + root, where F has none.  How far behind t a stretch ends that holds
- * that root and none of F; 0: not known. */
+/* G has one root between t and t + h, near t + root, where F has none.  How far behind t a stretch ends
+ * that holds that root and none of F; 0: not known. */
 static double past_root(const ahead_ops *ops, const void *w, double t, double root, double h, double sign)
 {
     if (ops->off(w, t, t + h)) return h;
@@ -129,14 +134,15 @@ static double past_root(const ahead_ops *ops, const void *w, double t, double ro
 
 /* THE START: the step behind it.  0: not known. */
 static double step_behind(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
-                       const sgt_ahead *ahead)
+                          const sgt_ahead *ahead)
 {
     double t = ahead->from, h = length;
     const double slope = fabs(at->slope);
     for (int i = 0; i < 6; i++, h *= 0.25) {
         if (!(t + h > t && t + h < HUGE_VAL)) return 0;
         ahead_over over = ops->over(w, t, t + h);
-        double bend = larger(-over.bend.lo, over.bend.hi), most = 0x1p-6 * slope / bend, step = most < h ? most : h;
+        double bend = larger(-over.bend.lo, over.bend.hi), most = 0x1p-6 * slope / bend,
+               step = most < h ? most : h;
         if (over.none || !(bend < HUGE_VAL) || (step < 0x1p-4 * h && i < 5)) continue;
         double off = at->slope_err + bend * step, least = (slope - off) * (1 - 0x1p-20);
         ahead_start start;

@@ -11,18 +11,28 @@
 static const double AHEAD_LOST = 0x1p-43, AHEAD_LEAST = 0x1p-900;
 
 /* G and G' at t, to within err and slope_err; infinite or NaN: not known. */
-typedef struct ahead_look { double g, slope, err, slope_err; } ahead_look;
+typedef struct ahead_look {
+    double g, slope, err, slope_err;
+} ahead_look;
 
 /* Over a stretch: G lies in g, and G'' in bend.  none: F has no root in it, whatever G has. */
-typedef struct ahead_over { sgt_interval g, bend; bool none; } ahead_over;
+typedef struct ahead_over {
+    sgt_interval g, bend;
+    bool none;
+} ahead_over;
 
 /* A polynomial in t, up to t^4, and the sums of the magnitudes of what its coefficients are made of. */
-typedef struct ahead_poly { int degree; double c[5], most[5]; } ahead_poly;
+typedef struct ahead_poly {
+    int degree;
+    double c[5], most[5];
+} ahead_poly;
 
-/* Of a root of F behind a point at which |F| is at most f: it is at most `width` behind; the terms of the rule
- * of the start are at least `terms` at it; and |K| at the point is at most `ratio` times that at the root, where
- * G = K F.  false: not known. */
-typedef struct ahead_start { double width, terms, ratio; } ahead_start;
+/* Of a root of F behind a point at which |F| is at most f: it is at most `width` behind; the terms of the
+ * rule of the start are at least `terms` at it; and |K| at the point is at most `ratio` times that at the
+ * root, where G = K F.  false: not known. */
+typedef struct ahead_start {
+    double width, terms, ratio;
+} ahead_start;
 
 typedef struct ahead_ops {
     ahead_look (*at)(const void *w, double t);

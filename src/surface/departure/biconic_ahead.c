@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 /* biconic_ahead.c - biconic.c, looked along by polynomials (ahead.c).
  *
- * With N = c_x x^2 + c_y y^2, Q = A x^2 + B y^2 and phi = sqrt(1 - Q), F = 0 is z (1 + phi) = N.  So it is z phi
- * = N - z, whence
+ * With N = c_x x^2 + c_y y^2, Q = A x^2 + B y^2 and phi = sqrt(1 - Q), F = 0 is z (1 + phi) = N.  So it is z
+ * phi = N - z, whence
  *     G = N^2 - 2 N z + z^2 Q = 0,    Q <= 1,    z (N - z) >= 0.
  * G is of degree 4 in t; 1 - Q, N - z and z tell where F has no root.
  *
- * A CYLINDER, and a conic.  Where Q = b N with a number b (one axis is flat, or the two are alike), phi is 1 - b
- * z, and
+ * A CYLINDER, and a conic.  Where Q = b N with a number b (one axis is flat, or the two are alike), phi is 1
+ * - b z, and
  *     G = N + b z^2 - 2 z = 0,    b z <= 1.
  * b = (1 + k) c is computed with an error of 2 u of it, which is one of the 2^9 of ahead.c. */
 #include "../../num/bits.h"
 #include "ahead.h"
 
 typedef struct biconic_way {
-    bool plain;  /* a cylinder or a conic */
+    bool plain; /* a cylinder or a conic */
     double b;
-    double o[2], d[2], c[2], bent[2];    /* of the start: x and y, c and A */
+    double o[2], d[2], c[2], bent[2];       /* of the start: x and y, c and A */
     ahead_poly g, bend, z, n, rest, inside; /* n: N; rest: N - z; inside: 1 - Q */
 } biconic_way;
 
@@ -94,7 +94,8 @@ static bool biconic_way_start(const void *self, double t, double f, double least
     for (int j = 0; j < 2; j++) {
         const double c = w->c[j], A = w->bent[j], by = A * at / phi,
                      off = fabs(A) * (z.hi / low - z.lo / high) + 0x1p-40 * (fabs(c) + fabs(by));
-        const sgt_interval p = ahead_about(w->o[j] + t * w->d[j], fabs(w->d[j]) * out->width + 0x1p-40 * fabs(t * w->d[j]));
+        const sgt_interval p =
+            ahead_about(w->o[j] + t * w->d[j], fabs(w->d[j]) * out->width + 0x1p-40 * fabs(t * w->d[j]));
         out->terms += larger(fabs(2 * c + by) - off, 0) * (p.lo * p.lo) / (1 + high);
     }
     return true;
@@ -124,12 +125,17 @@ sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead
     const double bx = (1 + b->k_x) * b->c_x, by = (1 + b->k_y) * b->c_y;
     const ahead_poly x2 = square_of(ray->o.x, ray->d.x), y2 = square_of(ray->o.y, ray->d.y),
                      n = ahead_sum(ahead_scaled(x2, b->c_x), ahead_scaled(y2, b->c_y));
-    biconic_way w = {.o = {ray->o.x, ray->o.y}, .d = {ray->d.x, ray->d.y}, .c = {b->c_x, b->c_y},
-                     .bent = {bx * b->c_x, by * b->c_y}, .z = ahead_linear(ray->o.z, ray->d.z), .n = n};
+    biconic_way w = {.o = {ray->o.x, ray->o.y},
+                     .d = {ray->d.x, ray->d.y},
+                     .c = {b->c_x, b->c_y},
+                     .bent = {bx * b->c_x, by * b->c_y},
+                     .z = ahead_linear(ray->o.z, ray->d.z),
+                     .n = n};
     w.plain = b->c_x == 0 || b->c_y == 0 || (b->c_x == b->c_y && b->k_x == b->k_y);
     if (w.plain) {
         w.b = b->c_x != 0 ? bx : by;
-        w.g = ahead_sum(ahead_sum(n, ahead_scaled(square_of(ray->o.z, ray->d.z), w.b)), ahead_scaled(w.z, -2));
+        w.g =
+            ahead_sum(ahead_sum(n, ahead_scaled(square_of(ray->o.z, ray->d.z), w.b)), ahead_scaled(w.z, -2));
     } else {
         const ahead_poly z2 = square_of(ray->o.z, ray->d.z),
                          q = ahead_sum(ahead_scaled(x2, bx * b->c_x), ahead_scaled(y2, by * b->c_y)),

@@ -2,15 +2,17 @@
 /* grid_ahead.c - grid.c on its conic, looked along by bounds of the whole grid (ahead.c).
  *
  * G is F = z - s(r^2) - P itself.  |P| is at most `height`, and its second derivative at most `bend`, as
- * sgt_grid_measure has them.  With phi^2 = 1 - (1 + k) c^2 r^2 the second derivative of the conic along a unit vector
- * is between c / phi and c / phi^3.  So both G and G'' have bounds over a stretch, from the range of r^2.
+ * sgt_grid_measure has them.  With phi^2 = 1 - (1 + k) c^2 r^2 the second derivative of the conic along a
+ * unit vector is between c / phi and c / phi^3.  So both G and G'' have bounds over a stretch, from the
+ * range of r^2.
  *
- * OUTSIDE the rectangle F is not defined.  There P is thought to go on linearly in t, from where the ray crosses the
- * edge: G is as smooth, and has the same bounds on G''.  P at the nearest point of the rectangle is off from that by
- * at most the slope times twice the way from the edge.  The way ends where the ray has left the rectangle by 2^-20.
+ * OUTSIDE the rectangle F is not defined.  There P is thought to go on linearly in t, from where the ray
+ * crosses the edge: G is as smooth, and has the same bounds on G''.  P at the nearest point of the rectangle
+ * is off from that by at most the slope times twice the way from the edge.  The way ends where the ray has
+ * left the rectangle by 2^-20.
  *
- * THE START.  K = 1.  The gradient at the root differs from that at the start by no more than the second derivative
- * times the way. */
+ * THE START.  K = 1.  The gradient at the root differs from that at the start by no more than the second
+ * derivative times the way. */
 #include "../../num/bits.h"
 #include "ahead.h"
 
@@ -22,15 +24,16 @@ typedef struct grid_way {
     ahead_poly r2, z;
 } grid_way;
 
-/* The greatest factor of c in the second derivative of the conic, and the least, over a range of r^2; false: there
- * is none. */
+/* The greatest factor of c in the second derivative of the conic, and the least, over a range of r^2;
+ * false: there is none. */
 static bool conic_bends(const sgt_grid *g, sgt_interval r2, sgt_interval *bends)
 {
     const double k1c2 = (1 + g->k) * g->c * g->c, a = 1 - k1c2 * larger(r2.lo, 0), b = 1 - k1c2 * r2.hi,
                  lo = smaller(a, b) - 0x1p-40, hi = larger(a, b) + 0x1p-40;
     if (!(lo > 0x1p-10)) return false;
     const double low = sqrt(lo), high = sqrt(hi);
-    *bends = (sgt_interval){smaller(1 / high, 1 / (high * high * high)), larger(1 / low, 1 / (low * low * low))};
+    *bends =
+        (sgt_interval){smaller(1 / high, 1 / (high * high * high)), larger(1 / low, 1 / (low * low * low))};
     return true;
 }
 
@@ -45,7 +48,8 @@ static ahead_look grid_way_at(const void *self, double t)
     const grid_way *w = self;
     const sgt_vec3 o = w->o, d = w->d;
     double x = o.x + t * d.x, y = o.y + t * d.y, z = o.z + t * d.z;
-    const double in_x = larger(smaller(x, w->edge_x), -w->edge_x), in_y = larger(smaller(y, w->edge_y), -w->edge_y),
+    const double in_x = larger(smaller(x, w->edge_x), -w->edge_x),
+                 in_y = larger(smaller(y, w->edge_y), -w->edge_y),
                  run = larger(x != in_x ? fabs((x - in_x) / d.x) : 0, y != in_y ? fabs((y - in_y) / d.y) : 0),
                  off = run > 0 ? 2 * run * (fabs(d.x) + fabs(d.y)) : 0,
                  lost = 0x1p-50 * (fabs(o.x) + fabs(t * d.x) + fabs(o.y) + fabs(t * d.y));
@@ -58,7 +62,8 @@ static ahead_look grid_way_at(const void *self, double t)
     return (ahead_look){f, n.x * d.x + n.y * d.y + n.z * d.z,
                         sgt_departure_rounding(&w->sag, p) + 1.01 * steep * (off + lost) +
                             0x1p-50 * (fabs(o.z) + fabs(t * d.z)) + AHEAD_LEAST,
-                        2 * bend * (off + lost) * length + AHEAD_LOST * (steep * length + fabs(d.z)) + AHEAD_LEAST};
+                        2 * bend * (off + lost) * length + AHEAD_LOST * (steep * length + fabs(d.z)) +
+                            AHEAD_LEAST};
 }
 
 /* Is one coordinate beyond the edge all along, or r beyond the conic? */
@@ -82,12 +87,14 @@ static ahead_over grid_way_over(const void *self, double from, double to)
     sgt_interval r2 = sgt_ahead_poly_over(&w->r2, from, to), z = sgt_ahead_poly_over(&w->z, from, to), bends;
     if (grid_way_off(w, from, to)) return (ahead_over){SGT_ANY_NUMBER, SGT_ANY_NUMBER, true};
     if (!conic_bends(w->g, r2, &bends)) return open;
-    const double k1c2 = (1 + w->g->k) * c * c, in = c * larger(r2.lo, 0) / (1 + sqrt(1 - k1c2 * larger(r2.lo, 0))),
+    const double k1c2 = (1 + w->g->k) * c * c,
+                 in = c * larger(r2.lo, 0) / (1 + sqrt(1 - k1c2 * larger(r2.lo, 0))),
                  out = c * r2.hi / (1 + sqrt(1 - k1c2 * r2.hi)),
-                 off = w->g->height * (1 + 0x1p-20) + 0x1p-40 * (fabs(in) + fabs(out) + fabs(z.lo) + fabs(z.hi)) +
-                       AHEAD_LEAST,
+                 off = w->g->height * (1 + 0x1p-20) +
+                       0x1p-40 * (fabs(in) + fabs(out) + fabs(z.lo) + fabs(z.hi)) + AHEAD_LEAST,
                  bend = w->g->bend * (1 + 0x1p-20), least = smaller(c * bends.lo, c * bends.hi),
-                 most = larger(c * bends.lo, c * bends.hi), lost = 0x1p-30 * (fabs(most) + fabs(least)) + AHEAD_LEAST;
+                 most = larger(c * bends.lo, c * bends.hi),
+                 lost = 0x1p-30 * (fabs(most) + fabs(least)) + AHEAD_LEAST;
     /* a part of the stretch may be beyond the edge, where P is no number: G has those bounds if it went on */
     return (ahead_over){{z.lo - larger(in, out) - off, z.hi - smaller(in, out) + off},
                         {-w->l2 * (most + bend + lost), w->l2 * (bend + lost - least)},
@@ -126,10 +133,15 @@ sgt_ahead_kind sgt_grid_ahead(const void *self, const sgt_ray *ray, sgt_ahead *a
     const sgt_grid *g = self;
     if (!(g->height > 0) || !ahead_usual(ray, g->c, g->step_x)) return AHEAD_OPEN;
     const ahead_poly x = ahead_linear(ray->o.x, ray->d.x), y = ahead_linear(ray->o.y, ray->d.y);
-    grid_way w = {.g = g, .sag = sgt_grid_sag(g), .o = ray->o, .d = ray->d,
-                  .edge_x = 0.5 * (double)(g->z.columns - 1) * g->step_x, .edge_y = 0.5 * (double)(g->z.rows - 1) * g->step_y,
+    grid_way w = {.g = g,
+                  .sag = sgt_grid_sag(g),
+                  .o = ray->o,
+                  .d = ray->d,
+                  .edge_x = 0.5 * (double)(g->z.columns - 1) * g->step_x,
+                  .edge_y = 0.5 * (double)(g->z.rows - 1) * g->step_y,
                   .l2 = (ray->d.x * ray->d.x + ray->d.y * ray->d.y) * (1 + 0x1p-40),
-                  .r2 = ahead_sum(ahead_product(&x, &x), ahead_product(&y, &y)), .z = ahead_linear(ray->o.z, ray->d.z)};
+                  .r2 = ahead_sum(ahead_product(&x, &x), ahead_product(&y, &y)),
+                  .z = ahead_linear(ray->o.z, ray->d.z)};
     const double edge[2] = {w.edge_x, w.edge_y}, o[2] = {ray->o.x, ray->o.y}, d[2] = {ray->d.x, ray->d.y};
     for (int j = 0; j < 2; j++) {
         double end = (copysign(edge[j], d[j]) - o[j]) / d[j];
