@@ -16,6 +16,7 @@
 #include "cells_batch.h"
 #include "proof.h"
 #include "unique.h"
+#include "vicinity.h"
 
 /* The evaluations of an estimate that is to be proven. */
 enum { QUICK = 24 };
