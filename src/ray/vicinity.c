@@ -299,13 +299,13 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
 }
 
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
- * seed, which may well leave the surface; else at the others.  Of those that begin on it, and so are asked
- * only from some t on, leave_circles has asked. */
+ * seed, which may well leave the surface, or have none; else at the others.  Of those that begin on it, and
+ * so are asked only from some t on, leave_circles has asked. */
 static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, const double *from,
                                      vicinities *kept, const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i]) || from[i] > v->tmin[i]) continue;
+        if (!(v->asked[i] > 0) || behind != !(v->seed[i] >= v->tmin[i]) || from[i] > v->tmin[i]) continue;
         sgt_ray ray = ray_of(&r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
         if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
@@ -649,6 +649,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
     if (whole->ahead && !near) {
+        if (asks) vicinity_without_passing(s, n, r, true, from, kept, v);
         if (asks) look_ahead(s, n, &r, false, v, from, seen);
         if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
         park(n, v, seen);
