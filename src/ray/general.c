@@ -334,7 +334,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
     if ((span.single || near) && !jumps && !w.told.stopped && one_root(&w, &a, &span, near))
         return w.told.evals - w.told.before;
-    const bool asks = asks_ahead(&w.shared, near) && is_catalogue(s.ops) && !w.told.stopped;
+    const bool asks = !all && is_catalogue(s.ops) && asks_ahead(&w.shared, near) && !w.told.stopped;
     if (asks && sgt_nothing_ahead(s, ray)) return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
     bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;

@@ -632,8 +632,8 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
     double from[VICINITY_MOST];
-    memcpy(from, v->tmin, n * sizeof *from);
     if (chords && whole->ahead) {
+        memcpy(from, v->tmin, n * sizeof *from);
         see_starts(s, n, &r, v, seen);
         look_ahead(s, n, &r, false, v, from, seen);
         if (asked_all(n, v->asked) == 0) return;
@@ -645,6 +645,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
     const bool asks = marches && whole->ahead;
+    memcpy(from, v->tmin, n * sizeof *from);
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
@@ -734,7 +735,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     memset(seen, 0, n * sizeof *seen);
     vicinity_of_rows(s, n, r, near, whole, kept, v, seen);
     /* a root ahead: `rounding` is asked at the very point */
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < n && asks_ahead(whole, near); i++) {
         if (seen[i] == SEEN_AHEAD) noise_about(s, HUGE_VAL, i, kept, v);
         if (seen[i] == SEEN_OPEN) v->asked[i] = 1;
     }
