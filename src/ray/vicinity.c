@@ -600,7 +600,7 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
         case AHEAD_ONE:
             v->asked[i] = 0, v->lo[i] = e.lo, v->hi[i] = e.hi, v->least[i] = NO_BOUND, v->seed[i] = e.seed;
-            seen[i] = SEEN_AHEAD;
+            seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
             break;
         }
     }
@@ -619,11 +619,26 @@ static void see_starts(sgt_surface s, size_t n, const sgt_rays *r, const vicinit
     }
 }
 
+/* How many rows leave, as look_ahead has it. */
+SGT_NOINLINE
+static double all_leaving(size_t n, const vicinity *v, const double *restrict from,
+                          const double *restrict seen)
+{
+    const double *seed = v->seed, *tmin = v->tmin, *asked = v->asked;
+    double count = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool leaves = (from[i] > tmin[i]) | (seen[i] == SEEN_ON) | !(seed[i] >= tmin[i]);
+        count += ((asked[i] > 0) & leaves) ? 1.0 : 0.0;
+    }
+    return count;
+}
+
 /* Rows without a seed are asked for that alone. */
 static void park(size_t n, const vicinity *v, double *seen)
 {
     for (size_t i = 0; i < n; i++)
-        if (v->asked[i] > 0 && !(fabs(v->seed[i]) < HUGE_VAL)) v->asked[i] = 0, seen[i] = SEEN_OPEN;
+        if (v->asked[i] > 0 && !(fabs(v->seed[i]) < HUGE_VAL))
+            v->asked[i] = 0, seen[i] = seen[VICINITY_MOST] = SEEN_OPEN;
 }
 
 static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *near,
@@ -649,7 +664,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
-    if (whole->ahead && !near) {
+    if (asks_ahead(whole, near) && all_leaving(n, v, from, seen) > 0) {
         if (asks) vicinity_without_passing(s, n, r, true, from, kept, v);
         if (asks) look_ahead(s, n, &r, false, v, from, seen);
         if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
@@ -731,11 +746,12 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
-    double seen[VICINITY_MOST];
+    double seen[VICINITY_MOST + 1]; /* the last: of any */
     memset(seen, 0, n * sizeof *seen);
+    seen[VICINITY_MOST] = UNSEEN;
     vicinity_of_rows(s, n, r, near, whole, kept, v, seen);
     /* a root ahead: `rounding` is asked at the very point */
-    for (size_t i = 0; i < n && asks_ahead(whole, near); i++) {
+    for (size_t i = 0; i < n && seen[VICINITY_MOST] != UNSEEN; i++) {
         if (seen[i] == SEEN_AHEAD) noise_about(s, HUGE_VAL, i, kept, v);
         if (seen[i] == SEEN_OPEN) v->asked[i] = 1;
     }
