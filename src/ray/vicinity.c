@@ -596,7 +596,9 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
         sgt_ahead e;
         switch (ahead_of(s, &ray, from[i], &e)) {
-        case AHEAD_OPEN: from[i] = larger(from[i], e.clear); break;
+        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
+            if (e.to < HUGE_VAL) from[i] = larger(from[i], e.clear);
+            break;
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
         case AHEAD_ONE:
             v->asked[i] = 0, v->lo[i] = e.lo, v->hi[i] = e.hi, v->least[i] = NO_BOUND, v->seed[i] = e.seed;

@@ -87,7 +87,7 @@ bool draw(generator &g, const specimen &s, const formula<double> &rough, sgt_ray
     if (d.x == 0 && d.y == 0 && d.z == 0) d.z = 1;
     *r = {{x, y, z}, d, 0, INFINITY};
     if (g.chance(0.25)) {
-        const double back = s.h * g.log_uniform(1e-5, 1e2) * (g.chance(0.1) ? 1e3 : 1);
+        const double back = s.h * g.log_uniform(1e-5, 1e2) * (g.chance(0.1) ? g.log_uniform(1e3, 1e12) : 1);
         r->o = {x - back * d.x, y - back * d.y, z - back * d.z};
     } else if (g.chance(0.7)) {
         const sgt_hit hit = sgt_intersect(s.s, {{x, y, z - s.h}, {0, 0, 1}, 0, INFINITY}, nullptr);

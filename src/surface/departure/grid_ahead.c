@@ -76,7 +76,8 @@ static bool grid_way_off(const void *self, double from, double to)
                lost = 0x1p-40 * (fabs(o[j]) + larger(fabs(from), fabs(to)) * fabs(d[j]));
         if (smaller(a, b) - lost > edge[j] || larger(a, b) + lost < -edge[j]) return true;
     }
-    return (1 + w->g->k) * w->g->c * w->g->c * sgt_ahead_poly_over(&w->r2, from, to).lo > 1 + 0x1p-20;
+    const double least2 = larger(sgt_ahead_poly_over(&w->r2, from, to).lo, 0); /* 1 + k may be below 0 */
+    return (1 + w->g->k) * w->g->c * w->g->c * least2 > 1 + 0x1p-20;
 }
 
 static ahead_over grid_way_over(const void *self, double from, double to)
