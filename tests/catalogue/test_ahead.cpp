@@ -210,7 +210,7 @@ int main()
     const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
                *only = std::getenv("SAGITTA_TEST_TYPE");
     const std::uint64_t from = seed ? std::strtoull(seed, nullptr, 0) : 37;
-    const int rounds = static_cast<int>(12 * (scale ? std::atof(scale) : 1)) + 1;
+    const int rounds = static_cast<int>(30 * (scale ? std::atof(scale) : 1)) + 1;
     bool good = true;
     std::printf("seed %llu\n", static_cast<unsigned long long>(from));
     for (const char *type : {"toroidal", "biconic", "cylinder", "grid"}) {
