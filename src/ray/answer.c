@@ -16,6 +16,7 @@
 #include "cells_batch.h"
 #include "proof.h"
 #include "unique.h"
+#include "vicinity.h"
 
 /* The evaluations of an estimate that is to be proven. */
 enum { QUICK = 24 };
@@ -206,4 +207,6 @@ void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_opti
     if (!rim_in_range(rim2_of_surface(s))) add_stretch(list, &none, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
     else if (opt->proof) prove_all(s, ray, opt, list);
     else sgt_search_all(s, ray, opt, list);
+    const bool open = list->count > 0 && !list->decided;
+    if (open && is_catalogue(s.ops) && s.ops->own_->ahead && sgt_nothing_ahead(s, ray)) list->count = 0;
 }

@@ -211,7 +211,8 @@ static bool root_nearby_by(walk *w, const sgt_span *span, bool near, vicinities 
     double seed = span->seed, asked = 1, lo = span->lo, hi = span->hi, least = 0, evals = w->told.evals,
            begun = evals, work[VICINITY_ROWS];
     if (!near && marches_chord(&w->shared)) seed = chord_seed(seed, lo, hi, ray->tmin, ray->tmax);
-    if (!(fabs(seed) < HUGE_VAL)) return false;
+    const bool seedless = asks_ahead(&w->shared, near) && !marches_chord(&w->shared);
+    if (!(fabs(seed) < HUGE_VAL) && !seedless) return false;
     const double whole = w->least;
     slopes_known within;
     slopes_begin(&within);
@@ -334,6 +335,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
     if ((span.single || near) && !jumps && !w.told.stopped && one_root(&w, &a, &span, near))
         return w.told.evals - w.told.before;
+    const bool asks = !all && is_catalogue(s.ops) && asks_ahead(&w.shared, near) && !w.told.stopped;
+    if (asks && sgt_nothing_ahead(s, ray)) return w.told.evals - w.told.before;
     /* steps 5, 6 and 7 */
     bool own = !is_catalogue(s.ops), guesses = own && opt->dt_min > 0 && s.ops->estimate;
     if (over(&w) || what == ONE_QUICKLY)

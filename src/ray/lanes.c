@@ -279,14 +279,15 @@ static double above_zero(size_t n, const double *of)
     return count;
 }
 
-/* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used. */
+/* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used.
+ * seedless: 1 if lanes without a seed are, too. */
 SGT_KERNEL
-static double nearby_asked(const lanes *a, size_t n, double *asked)
+static double nearby_asked(const lanes *a, size_t n, double seedless, double *asked)
 {
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        double is = ((a->single[i] == 0) & (fabs(a->seed[i]) < HUGE_VAL)) ? 1.0 : 0.0;
+        double is = ((a->single[i] == 0) & ((fabs(a->seed[i]) < HUGE_VAL) | (seedless > 0))) ? 1.0 : 0.0;
         asked[i] = is, some += is;
     }
     return some;
@@ -346,10 +347,10 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     if (!w->s.ops->own_->extent_within) return;
     bool chords = w->near == 0 && marches_chord(&w->shared);
     bool rimmed = chords && w->rim2 < HUGE_VAL;
-    double all = (double)n;
+    double all = (double)n, seedless = asks_ahead(&w->shared, w->near != 0) ? 1 : 0;
     if (rimmed && (single_from_above(a, &rays, n) == all || steadily_single(a, &rays, n) == all)) return;
     if (chords && !rimmed && above_zero(n, a->least) == all) return;
-    if ((chords ? chords_asked(a, rimmed, &rays, n, a->x) : nearby_asked(a, n, a->x)) == 0) return;
+    if ((chords ? chords_asked(a, rimmed, &rays, n, a->x) : nearby_asked(a, n, seedless, a->x)) == 0) return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
     vicinity v = {.tmin = a->tmin,
                   .tmax = a->tmax,

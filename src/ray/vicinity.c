@@ -227,7 +227,7 @@ static void vicinity_leave(size_t n, double part, const sgt_rays *r, const vicin
 
 /* What a look at the start of a ray has said: nothing, as there was none; F is 0 there to within 2^-32 of its
  * terms; it is not. */
-enum { UNSEEN = 0, SEEN_ON, SEEN_OFF };
+enum { UNSEEN = 0, SEEN_ON, SEEN_OFF, SEEN_AHEAD, SEEN_OPEN };
 
 /* Gives the bound back to the rays that start near the surface and not on it: before a chord there is a
  * root only if F is 0 at the start to within the rule of the start, which is far less than 2^-32 of its
@@ -299,13 +299,13 @@ static double all_behind(size_t n, const double *restrict asked, const double *r
 }
 
 /* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
- * seed, which may well leave the surface; else at the others.  Of those that begin on it, and so are asked
- * only from some t on, leave_circles has asked. */
+ * seed, which may well leave the surface, or have none; else at the others.  Of those that begin on it, and
+ * so are asked only from some t on, leave_circles has asked. */
 static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, const double *from,
                                      vicinities *kept, const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
-        if (!(v->asked[i] > 0) || behind != (v->seed[i] < v->tmin[i]) || from[i] > v->tmin[i]) continue;
+        if (!(v->asked[i] > 0) || behind != !(v->seed[i] >= v->tmin[i]) || from[i] > v->tmin[i]) continue;
         sgt_ray ray = ray_of(&r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
         if (sgt_passes_by(heights_about(s, kept), &ray, v->tmin[i]))
@@ -562,23 +562,120 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
-                     vicinities *kept, const vicinity *v)
+/* Asks the surface what is ahead of the ray from `from` on. */
+static sgt_ahead_kind ahead_of(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e)
+{
+    const sgt_vec3 o = ray->o, d = ray->d;
+    *e = (sgt_ahead){.start = ray->tmin, .from = from, .to = ray->tmax, .f = HUGE_VAL, .clear = from};
+    e->length = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
+    if (from == 0 && starts_low(o, ray->tmin)) {
+        sgt_vec3 unused;
+        double f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
+        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f = f;
+    }
+    return s.ops->own_->ahead(s.self, ray, e);
+}
+
+bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
+{
+    sgt_ahead e;
+    return fabs(ray->tmin) < HUGE_VAL && ahead_of(s, ray, ray->tmin, &e) == AHEAD_NONE;
+}
+
+/* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
+ * of all. What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from
+ * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
+SGT_NOINLINE
+static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
+                       double *seen)
+{
+    for (size_t i = 0; i < n; i++) {
+        const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
+        if (!(v->asked[i] > 0 && (all || leaves))) continue;
+        sgt_ray ray = ray_of(r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        sgt_ahead e;
+        switch (ahead_of(s, &ray, from[i], &e)) {
+        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
+            if (e.to < HUGE_VAL) from[i] = larger(from[i], e.clear);
+            break;
+        case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
+        case AHEAD_ONE:
+            v->asked[i] = 0, v->lo[i] = e.lo, v->hi[i] = e.hi, v->least[i] = NO_BOUND, v->seed[i] = e.seed;
+            seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
+            break;
+        }
+    }
+}
+
+/* Marks the rows at whose start F is 0 to within 2^-32 of its terms. */
+SGT_NOINLINE
+static void see_starts(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v, double *seen)
+{
+    for (size_t i = 0; i < n; i++) {
+        const sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]};
+        sgt_vec3 g;
+        if (!(v->asked[i] > 0 && starts_low(o, v->tmin[i]))) continue;
+        double f = s.ops->value(s.self, o, &g);
+        if (fabs(f) <= 0x1p-32 * (fabs(o.x * g.x) + fabs(o.y * g.y) + fabs(o.z * g.z))) seen[i] = SEEN_ON;
+    }
+}
+
+/* How many rows leave, as look_ahead has it. */
+SGT_NOINLINE
+static double all_leaving(size_t n, const vicinity *v, const double *restrict from,
+                          const double *restrict seen)
+{
+    const double *seed = v->seed, *tmin = v->tmin, *asked = v->asked;
+    double count = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool leaves = (from[i] > tmin[i]) | (seen[i] == SEEN_ON) | !(seed[i] >= tmin[i]);
+        count += ((asked[i] > 0) & leaves) ? 1.0 : 0.0;
+    }
+    return count;
+}
+
+/* Rows without a seed are asked for that alone. */
+static void park(size_t n, const vicinity *v, double *seen)
+{
+    for (size_t i = 0; i < n; i++)
+        if (v->asked[i] > 0 && !(fabs(v->seed[i]) < HUGE_VAL))
+            v->asked[i] = 0, seen[i] = seen[VICINITY_MOST] = SEEN_OPEN;
+}
+
+static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *near,
+                             const sgt_shared *whole, vicinities *kept, const vicinity *v, double *seen)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const bool chords = !near && marches_chord(whole), rimmed = chords && rim2_of_surface(s) < HUGE_VAL;
+    double from[VICINITY_MOST];
+    if (chords && whole->ahead) {
+        memcpy(from, v->tmin, n * sizeof *from);
+        see_starts(s, n, &r, v, seen);
+        look_ahead(s, n, &r, false, v, from, seen);
+        if (asked_all(n, v->asked) == 0) return;
+    }
     if (rimmed) { /* what is left has no F on a part of its chord */
         along_chord(s, n, r, whole, kept, v);
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
                boxes = marches && whole->by_axis;
-    double from[VICINITY_MOST], seen[VICINITY_MOST];
+    const bool asks = marches && whole->ahead;
     memcpy(from, v->tmin, n * sizeof *from);
-    memset(seen, 0, n * sizeof *seen);
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
         leave_circles(s, n, r, whole, kept, v, from, seen) && asked_all(n, v->asked) == 0)
         return;
+    if (asks_ahead(whole, near) && all_leaving(n, v, from, seen) > 0) {
+        if (asks) vicinity_without_passing(s, n, r, true, from, kept, v);
+        if (asks) look_ahead(s, n, &r, false, v, from, seen);
+        if (asks && v->clear) v->clear[0] = larger(v->clear[0], from[0]);
+        park(n, v, seen);
+        if (asked_all(n, v->asked) == 0) { /* rows that were not asked have no bound, too */
+            for (size_t i = 0; i < n; i++) noise_about(s, HUGE_VAL, i, kept, v);
+            return;
+        }
+    }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind) {
         vicinity_without_passing(s, n, r, true, from, kept, v);
@@ -627,18 +724,37 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, co
     if (v->clear && !boxed) v->clear[0] = larger(v->clear[0], larger(from[0], w.from[0]));
     /* the march through the box has used the rows of `from` */
     for (size_t i = 0; i < n && !boxed; i++) from[i] = larger(from[i], w.from[i]);
+    if (left != 0 && asks) {
+        look_ahead(s, n, &r, true, v, from, seen);
+        left = asked_all(n, v->asked);
+        if (v->clear) v->clear[0] = larger(v->clear[0], from[0]);
+    }
     if (left != 0) march_wings(s, n, r, from, false, whole, kept, v);
     for (size_t i = 0; i < n; i++) {
         bool monotone = v->asked[i] < 0;
         if (monotone) v->asked[i] = 0;
         /* the rays that a march has answered: what their neighbours need is no matter */
         const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
-        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
+        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] >= SEEN_AHEAD) continue;
         double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
         /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
          * two looks, and is asked for where t would be known to less than 2^-40 of it. */
         if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-40 * v->least[i] * fabs(v->seed[i]))
             noise_about(s, HUGE_VAL, i, kept, v);
+    }
+}
+
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,
+                     vicinities *kept, const vicinity *v)
+{
+    double seen[VICINITY_MOST + 1]; /* the last: of any */
+    memset(seen, 0, n * sizeof *seen);
+    seen[VICINITY_MOST] = UNSEEN;
+    vicinity_of_rows(s, n, r, near, whole, kept, v, seen);
+    /* a root ahead: `rounding` is asked at the very point */
+    for (size_t i = 0; i < n && seen[VICINITY_MOST] != UNSEEN; i++) {
+        if (seen[i] == SEEN_AHEAD) noise_about(s, HUGE_VAL, i, kept, v);
+        if (seen[i] == SEEN_OPEN) v->asked[i] = 1;
     }
 }

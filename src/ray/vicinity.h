@@ -49,6 +49,11 @@
  * thousand lengths along it, and across them it ends after sixty.  So it is followed through a box (wings.c),
  * and also where it may begin on the mirror.
  *
+ * AHEAD.  A toroid, a biconic and a grid without a rim know what is ahead of a ray
+ * (surface/departure/ahead.c): nothing, or a stretch with one root at most, which Newton's steps are left to
+ * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
+ * circle has decided.
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.
@@ -112,7 +117,7 @@ SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), v
 
 /* Some rays, a row each.
  *
- *     asked, before    1: to be looked at, and the seed is a number; 0: not
+ *     asked, before    1: to be looked at, and the seed is a number, but for asks_ahead; 0: not
  *     lo, hi, before   of a surface with a rim: the span, read for the rows that are asked
  *     asked, after     1: nothing was found
  *                      0, lo > hi: a miss
@@ -138,10 +143,16 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
     return s;
 }
 
+/* May a row without a seed be asked?  Only what is ahead of it is. */
+SGT_INLINE bool asks_ahead(const sgt_shared *whole, bool near) { return !near && whole->ahead; }
+
 /* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: NULL if
  * the first root is wanted, and not that near the seed. */
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, slopes_known *near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
+
+/* Is no root accepted on the ray, as `ahead` has it (sgt_shared)? */
+bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray);
 
 /* The heights of the whole surface. */
 SGT_INLINE const sgt_heights *heights_about(sgt_surface s, vicinities *kept)

@@ -363,7 +363,8 @@ static const departure biconic_departure = {.at = biconic_at,
                                             .object = biconic_objection,
                                             .noise = biconic_noise,
                                             .noise_in_box = biconic_noise_in_box,
-                                            .by_axis = biconic_about};
+                                            .by_axis = biconic_about,
+                                            .ahead = sgt_biconic_ahead};
 
 /* The seed: a conic with both curvatures, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)

@@ -519,7 +519,7 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
     shared->c = s->c, shared->k1 = 1 + s->k, shared->radius2 = e.radius2, shared->steep = e.steep;
     shared->base_c = s->base ? s->c : 0, shared->base_k = s->base ? s->k : 0, shared->bent = e.bent;
     shared->by_axis = s->of->by_axis != NULL, shared->boxed = s->of->bounds_along != NULL;
-    shared->tailed = s->of->tail != NULL;
+    shared->tailed = s->of->tail != NULL, shared->ahead = looks_ahead(s);
     if (shared->by_axis) shared->axis = e.axis, shared->lean = s->lean;
     shared->most2 = rim2_within_frame(s) * (1 + 0x1p-20);
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);

@@ -125,6 +125,10 @@ typedef struct departure {
      * never. */
     double (*tail)(const void *self, double radius);
 
+    /* `ahead` of sgt_builtin_ops, of the sag without a rim and without a base of its own.  NULL: nothing is
+     * known. */
+    sgt_ahead_kind (*ahead)(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
 
@@ -151,6 +155,12 @@ SGT_INLINE departure_sag sgt_departure_narrowed(departure_sag s, double most)
     if (!(s.semi_diameter > 0 && s.semi_diameter <= most))
         s.semi_diameter = most < HUGE_VAL ? most : s.semi_diameter;
     return s;
+}
+
+/* A rim of the greatest numbers is none. */
+SGT_INLINE bool looks_ahead(const departure_sag *s)
+{
+    return s->of->ahead && !(s->semi_diameter > 0 && s->semi_diameter < 0x1p400);
 }
 
 double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad);
@@ -184,6 +194,12 @@ void sgt_departure_second(const departure_sag *s, size_t n, sgt_points p, double
 size_t sgt_departure_parameters(const departure_sag *s);
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points p, sgt_values out);
 sgt_objection sgt_departure_object(const departure_sag *s);
+
+/* Of one type each (biconic_ahead.c, grid_ahead.c, toroidal_ahead.c). */
+sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+departure_sag sgt_grid_sag(const sgt_grid *g);
+sgt_ahead_kind sgt_grid_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+sgt_ahead_kind sgt_toroidal_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
 
 /* Helper for `object`: are all n numbers finite?  Asked for each ray that comes alone. */
 SGT_INLINE bool numbers_finite(size_t n, const double *x)
@@ -254,6 +270,9 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     DEPARTURE_OF(NAME, double NAME##_ops_tail(const void *self, double radius),                              \
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
+                 sgt_ahead_kind NAME##_ops_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead),    \
+                 return looks_ahead(&v) ? v.of->ahead(v.self, ray, ahead) : AHEAD_OPEN)                      \
+    DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
                                            double e1[]),                                                     \
                  return sgt_departure_noises(&v, n, radius, e0, e1))                                         \
@@ -298,7 +317,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .roundings = sgt_departure_roundings, .values_rounded = NAME##_values_rounded,                       \
         .span = sgt_departure_span, .spans = sgt_departure_spans, .seeds = sgt_departure_seeds,              \
         .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
-        .departure = &NAME##_departure, .tail = NAME##_ops_tail,                                             \
+        .departure = &NAME##_departure, .tail = NAME##_ops_tail, .ahead = NAME##_ops_ahead,                  \
         .extent_in_part = NAME##_in_part, .bent = NAME##_bent_in_rim};                                       \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \

@@ -555,7 +555,8 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .object = toroidal_objection,
                                              .noise = sgt_toroidal_noise_about,
                                              .noise_in_box = toroidal_noise_in_box,
-                                             .by_axis = toroidal_about};
+                                             .by_axis = toroidal_about,
+                                             .ahead = sgt_toroidal_ahead};
 
 /* The seed: a conic with both curvatures. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
