@@ -96,6 +96,7 @@
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
 
+#include "along.h"
 #include "tail.h"
 
 #include "../num/bits.h"
@@ -463,6 +464,14 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
 
+/* The march goes on from this t, and knows nothing of F there. */
+static void begin_anew(rows a, size_t i, double t)
+{
+    a[T][i] = t, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
+    double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], t);
+    a[WANTED][i] = radius_wanted(r, 0x1p-1000);
+}
+
 /* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
  * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks.  If it is so of a
  * stretch ahead, the march moves to its end, where it begins anew. */
@@ -474,11 +483,7 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
     if (!now) return false;
     double clear = sgt_clear_by_heights(heights_about(s, kept), ray, t), inverse = inverse_of_scale(ray->d);
     if (clear == HUGE_VAL || clear > ray->tmax) return true;
-    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) {
-        a[T][i] = clear * inverse, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
-        double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], a[T][i]);
-        a[WANTED][i] = radius_wanted(r, 0x1p-1000);
-    }
+    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) begin_anew(a, i, clear * inverse);
     return false;
 }
 
@@ -775,6 +780,16 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
     march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v);
 }
 
+/* May a ray that begins here start on the surface?  Then the march leaves it first.  As stays_off of vicinity.c
+ * has it. */
+static bool on_start(sgt_surface s, const sgt_ray *ray, double t)
+{
+    if (t != ray->tmin || !starts_low(ray->o, t)) return false;
+    sgt_vec3 g;
+    double f = s.ops->value(s.self, ray->o, &g);
+    return !(fabs(f) > 0x1p-32 * (fabs(ray->o.x * g.x) + fabs(ray->o.y * g.y) + fabs(ray->o.z)));
+}
+
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
                      const sgt_shared *bare, vicinities *kept, const vicinity *v)
 {
@@ -787,6 +802,11 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = row_ray(&r, v, i);
         size_t k = left;
+        along_says said = ALONG_SILENT;
+        if (!on_start(s, &ray, t)) said = sgt_look_along(s, &ray, t, kept, v, i, &t);
+        if (said == ALONG_MISS) is_miss(v, i);
+        if (said == ALONG_MISS || said == ALONG_ROOT || (v->told && v->told->stopped)) continue;
+        if (said == ALONG_CLEAR && v->clear) v->clear[i] = larger(v->clear[i], t);
         lay_row(a, k, &ray, i, t, v->seed[i]);
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         if (bare->tailed) {
@@ -851,6 +871,15 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 wings_leave(a, i, --left);
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
+                if (in_rings && off) {
+                    along_says said = sgt_look_along(s, &ray, t, kept, v, k, &t);
+                    if (said == ALONG_MISS) is_miss(v, k);
+                    if (said == ALONG_MISS || said == ALONG_ROOT || (v->told && v->told->stopped)) {
+                        wings_leave(a, i, --left);
+                        continue;
+                    }
+                    if (said == ALONG_CLEAR) begin_anew(a, i, t * inverse_of_scale(ray.d));
+                }
                 if (in_rings) enclose_in(s, edge, known->boxed, &kept->rings, a, i);
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);

@@ -460,10 +460,36 @@ static sgt_objection chebyshev_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+/* The noise over a disc that is wider than both norms.  Each factor that T_i, T_i' or the error of T_i is bounded
+ * by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of the terms'
+ * sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
+static double chebyshev_along_off(const void *self, double radius)
+{
+    const sgt_chebyshev *s = self;
+    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
+    entries e = chebyshev_entries(s, &where);
+    double steps = 5.4143 * (double)(s->a.rows + s->a.columns) + chebyshev_sums_of(s), steep = e.px + e.py;
+    double off = SGT_U * (steps * e.size + radius * steep) + 0x1p-46 * radius * steep, noise[2];
+    if (!(radius > FAR_BEYOND * larger(s->norm_x, s->norm_y))) {
+        chebyshev_noise(self, radius, noise);
+        off = noise[0] + 0x1p-46 * radius * steep;
+    }
+    return chebyshev_known(off * (1 + 0x1p-20));
+}
+
+static bool chebyshev_along(const void *self, sgt_course *out)
+{
+    const sgt_chebyshev *s = self;
+    size_t all = s->a.rows > 0 && s->a.columns > 0 ? s->a.rows + s->a.columns - 2 : 0;
+    *out = (sgt_course){all, false, larger(s->norm_x, s->norm_y)};
+    return true;
+}
+
 static const departure chebyshev_departure = {
     .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds,
     .second = chebyshev_second, .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter,
     .object = chebyshev_object, .noise = chebyshev_noise,
-    .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along};
+    .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along,
+    .along = chebyshev_along, .along_off = chebyshev_along_off};
 
 DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)
