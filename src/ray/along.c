@@ -61,19 +61,24 @@
 
 #include <sagitta/interval.h>
 
-/* A multiple of 4 at least half of the greatest number of nodes. */
-enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, ALONG_TRIALS = 48, ALONG_SEEKS = 24 };
+/* At least half of the greatest number of nodes; rays at a time; stretches of one ray; those that wait. */
+enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, WIDE = ALONG_ROWS, ALONG_TRIALS = 48, ALONG_DEEP = 16,
+       ALONG_SEEKS = 12, ALONG_ROOMS = 4 };
 static const double SPREAD = 4;
 
-/* The line about its point nearest the axis, counted in v, and P along it. */
-typedef struct along {
-    size_t half, n;          /* nodes on either side; the degree, 2 half - 1 */
-    double W, c, k1;         /* the base */
-    double x, y, l, m;       /* dx/dv = l, dy/dv = m */
-    double z, g;             /* z = z0 + g v */
-    double E, B;             /* the size of p - P; the greatest |b_k| */
-    double p[ALONG_MOST], b[ALONG_MOST]; /* c_k and b_k */
-} along;
+typedef double lane_row[WIDE];
+#define EACH LANES for (size_t u = 0; u < WIDE; u++)
+
+/* The lines of some rays, each about its point nearest the axis, counted in v, and P along it. */
+typedef struct lines {
+    size_t half, n; /* nodes on either side; the degree, 2 half - 1 */
+    double c, k1;   /* the base */
+    lane_row x, y, l, m; /* dx/dv = l, dy/dv = m */
+    lane_row z, g;       /* z = z0 + g v */
+    lane_row W, t0, by, scale; /* t = (t0 + by v) scale */
+    lane_row E, B;       /* the size of p - P; the greatest |b_k| */
+    lane_row p[ALONG_MOST], b[ALONG_MOST]; /* c_k and b_k */
+} lines;
 
 /* The nodes v > 0 and their squares, and (1 + v^2)^(-n/2); rows are filled up to a multiple of 4. */
 typedef struct nodes { double v[ALONG_HALF], v2[ALONG_HALF], weight[ALONG_HALF]; } nodes;
@@ -157,270 +162,298 @@ static double rounding_about(sgt_surface s, size_t half, double W, vicinities *k
 
 /* --------------------------------------------------------------------------- coefficients */
 
-/* sum of a[j] b[j], four partial sums, in one order on every processor. */
-SGT_INLINE double dot4(size_t n, const double *restrict a, const double *restrict b)
-{
-    double sum[4] = {0, 0, 0, 0};
-    for (size_t j = 0; j < n; j += 4)
-        LANES for (size_t u = 0; u < 4; u++) sum[u] = sgt_fma(a[j + u], b[j + u], sum[u]);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-/* c_k of the polynomial that has these even and odd parts at the nodes; the odd ones are divided by v. */
+/* q[k][j]: the coefficient of v^2k in the polynomial of v^2 that is 1 at node j and 0 at the others. */
 SGT_KERNEL
-static void interpolate(size_t half, const nodes *e, const double *even, const double *odd, double *c)
+static void lagrange(size_t half, const nodes *e, double q[ALONG_HALF][ALONG_HALF])
 {
-    const size_t wide = (half + 3) / 4 * 4, N = 2 * half;
-    double of[ALONG_HALF + 1], q[ALONG_HALF][ALONG_HALF], sum[ALONG_HALF], by[ALONG_HALF], first[ALONG_HALF],
-        second[ALONG_HALF];
-    double binomial = 1;
-    for (size_t k = 0; k <= half; k++) { /* of[k]: that of v^2k in the real part of (1 + i v)^N */
+    double of[ALONG_HALF + 1], by[ALONG_HALF], sum[ALONG_HALF], binomial = 1;
+    for (size_t k = 0; k <= half; k++) { /* that of v^2k in the real part of (1 + i v)^N */
+        double i = (double)(2 * k), top = (double)(2 * half);
         of[k] = k % 2 ? -binomial : binomial;
-        double i = (double)(2 * k), top = (double)N;
         binomial = binomial * ((top - i) * (top - i - 1)) / ((i + 1) * (i + 2));
     }
     const size_t low = half / 2; /* the nodes before are below 1 */
     LANES for (size_t j = 0; j < low; j++) q[half - 1][j] = of[half];
     for (size_t k = half - 1; k > 0; k--)
         LANES for (size_t j = 0; j < low; j++) q[k - 1][j] = sgt_fma(e->v2[j], q[k][j], of[k]);
-    LANES for (size_t j = low; j < wide; j++) by[j] = 1 / (j < half ? e->v2[j] : 1), q[0][j] = -of[0] * by[j];
+    LANES for (size_t j = low; j < half; j++) by[j] = 1 / e->v2[j], q[0][j] = -of[0] * by[j];
     for (size_t k = 1; k < half; k++)
-        LANES for (size_t j = low; j < wide; j++) q[k][j] = (q[k - 1][j] - of[k]) * by[j];
-    LANES for (size_t j = 0; j < wide; j++) sum[j] = 0;
+        LANES for (size_t j = low; j < half; j++) q[k][j] = (q[k - 1][j] - of[k]) * by[j];
+    LANES for (size_t j = 0; j < half; j++) sum[j] = 0;
     for (size_t k = half; k-- > 0;)
-        LANES for (size_t j = 0; j < wide; j++) sum[j] = sgt_fma(e->v2[j], sum[j], q[k][j]);
-    LANES for (size_t j = 0; j < wide; j++) {
-        double in = j < half ? 1.0 : 0.0, over = in != 0 ? 1 / sum[j] : 0;
-        first[j] = even[j] * over, second[j] = odd[j] * over;
-    }
+        LANES for (size_t j = 0; j < half; j++) sum[j] = sgt_fma(e->v2[j], sum[j], q[k][j]);
+    LANES for (size_t j = 0; j < half; j++) sum[j] = 1 / sum[j];
     for (size_t k = 0; k < half; k++)
-        c[2 * k] = dot4(wide, q[k], first), c[2 * k + 1] = dot4(wide, q[k], second);
+        LANES for (size_t j = 0; j < half; j++) q[k][j] *= sum[j];
 }
 
-/* The greatest weighted |p - P| at the nodes. */
+/* c_k of the polynomials of these values at +v, and behind them at -v. */
 SGT_KERNEL
-static double misses_by(size_t half, const nodes *e, const double *c, const double *at, const double *behind)
+static void interpolate(const nodes *at, double q[ALONG_HALF][ALONG_HALF], lane_row *value, lines *e)
 {
-    double even[ALONG_HALF], odd[ALONG_HALF], most = 0;
-    LANES for (size_t j = 0; j < half; j++) even[j] = odd[j] = 0;
-    for (size_t k = half; k-- > 0;)
-        LANES for (size_t j = 0; j < half; j++)
-            even[j] = sgt_fma(e->v2[j], even[j], c[2 * k]), odd[j] = sgt_fma(e->v2[j], odd[j], c[2 * k + 1]);
-#pragma omp simd reduction(max : most)
+    const size_t half = e->half;
+    lane_row *even = e->b, *odd = e->b + half;
     for (size_t j = 0; j < half; j++) {
-        double o = e->v[j] * odd[j], off = larger(fabs(even[j] + o - at[j]), fabs(even[j] - o - behind[j])),
-               by = off * e->weight[j];
-        most = by > most ? by : most;
+        const double *one = value[j], *other = value[half + j], by = 0.5 / at->v[j];
+        EACH even[j][u] = 0.5 * (one[u] + other[u]), odd[j][u] = by * (one[u] - other[u]);
     }
-    return most;
+    for (size_t k = 0; k < half; k++) {
+        lane_row a, b;
+        EACH a[u] = b[u] = 0;
+        for (size_t j = 0; j < half; j++) {
+            const double w = q[k][j];
+            EACH a[u] = sgt_fma(w, even[j][u], a[u]), b[u] = sgt_fma(w, odd[j][u], b[u]);
+        }
+        EACH e->p[2 * k][u] = a[u], e->p[2 * k + 1][u] = b[u];
+    }
 }
 
-/* b_k; returns the greatest magnitude. */
-static double scaled_by_binomial(size_t n, const double *c, double *b)
+/* The greatest weighted |p - P| at the nodes, with the rounding of Horner's rule. */
+SGT_KERNEL
+static void misses_by(const nodes *at, lane_row *value, const lines *e, lane_row most)
 {
-    double binomial = 1, most = 0;
-    for (size_t k = 0; k <= n; k++) {
-        b[k] = c[k] / binomial, most = larger(most, fabs(b[k]));
-        binomial = binomial * (double)(n - k) / (double)(k + 1);
+    const size_t half = e->half;
+    const double rounded = (double)(2 * e->n + 8) * SGT_U;
+    EACH most[u] = 0;
+    for (size_t j = 0; j < half; j++) {
+        const double v2 = at->v2[j], v = at->v[j], weight = at->weight[j], *one = value[j], *other = value[half + j];
+        lane_row even, odd, size, more;
+        EACH even[u] = odd[u] = size[u] = more[u] = 0;
+        for (size_t k = half; k-- > 0;)
+            EACH {
+                double a = e->p[2 * k][u], b = e->p[2 * k + 1][u];
+                even[u] = sgt_fma(v2, even[u], a), odd[u] = sgt_fma(v2, odd[u], b);
+                size[u] = sgt_fma(v2, size[u], fabs(a)), more[u] = sgt_fma(v2, more[u], fabs(b));
+            }
+        EACH {
+            double o = v * odd[u], a = fabs(even[u] + o - one[u]), b = fabs(even[u] - o - other[u]),
+                   off = (a > b ? a : b) + rounded * (size[u] + v * more[u]), by = off * weight;
+            most[u] = chosen(MASK(by <= most[u]), most[u], by); /* NaN stays */
+        }
     }
-    return most;
 }
 
-/* P along the line: asks for it.  false: it is not known. */
-static bool ask_along(sgt_surface s, bool even, double rounding, along *e)
+/* b_k, and the greatest magnitude. */
+SGT_KERNEL
+static void scale_by_binomial(lines *e)
 {
+    double binomial = 1;
+    EACH e->B[u] = 0;
+    for (size_t k = 0; k <= e->n; k++) {
+        const double by = 1 / binomial;
+        EACH {
+            double b = e->p[k][u] * by, size = fabs(b);
+            e->b[k][u] = b, e->B[u] = chosen(MASK(size <= e->B[u]), e->B[u], size);
+        }
+        binomial = binomial * (double)(e->n - k) / (double)(k + 1);
+    }
+}
+
+/* P along the lines. */
+SGT_NOINLINE static void ask_along(sgt_surface s, bool both, const lane_row rounding, lines *e)
+{
+    enum { GROUP = DEPARTURE_BLOCK / WIDE };
     const departure *of = s.ops->own_->departure;
-    const size_t half = e->half, count = even ? half : 2 * half;
+    const size_t half = e->half;
     nodes at;
-    double x[ALONG_MOST], y[ALONG_MOST], p[ALONG_MOST], px[ALONG_MOST], py[ALONG_MOST], ev[ALONG_HALF],
-        od[ALONG_HALF];
+    lane_row value[ALONG_MOST], off;
     nodes_of(half, &at);
-    for (size_t j = 0; j < half; j++) {
-        x[j] = e->x + at.v[j] * e->l, y[j] = e->y + at.v[j] * e->m;
-        x[half + j] = e->x - at.v[j] * e->l, y[half + j] = e->y - at.v[j] * e->m;
+    for (size_t i = 0, few; i < (both ? 2 * half : half); i += few) {
+        double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK];
+        few = (both ? 2 * half : half) - i;
+        few = few < GROUP ? few : GROUP;
+        for (size_t j = 0; j < few; j++) {
+            const double v = i + j < half ? at.v[i + j] : -at.v[i + j - half];
+            double *a = x + j * WIDE, *b = y + j * WIDE;
+            EACH a[u] = e->x[u] + v * e->l[u], b[u] = e->y[u] + v * e->m[u];
+        }
+        of->at(s.self, few * WIDE, x, y, (sag_values){value[i], px, py});
     }
-    of->at(s.self, count, x, y, (sag_values){p, px, py});
-    for (size_t j = 0; j < ALONG_HALF; j++) ev[j] = od[j] = 0;
-    for (size_t j = 0; j < half; j++) {
-        double one = p[j], other = even ? p[j] : p[half + j];
-        p[half + j] = other;
-        ev[j] = 0.5 * (one + other), od[j] = 0.5 * (one - other) / at.v[j];
-    }
-    interpolate(half, &at, ev, od, e->p);
-    const double u = SGT_U, n = (double)e->n;
-    e->B = scaled_by_binomial(e->n, e->p, e->b);
-    /* P for an even one is asked at w^2 alone; Horner's rule on magnitudes of at most B (1 + v)^n */
-    double off = misses_by(half, &at, e->p, p, p + half) * (1 + 0x1p-40) + rounding +
-                 (2 * n + 8) * u * e->B * along_power(1.41421357, e->n);
-    e->E = SPREAD * off;
-    return e->E < HUGE_VAL && e->B < HUGE_VAL;
+    if (!both) memcpy(value + half, value, half * sizeof *value);
+    double q[ALONG_HALF][ALONG_HALF];
+    lagrange(half, &at, q);
+    interpolate(&at, q, value, e);
+    scale_by_binomial(e);
+    misses_by(&at, value, e, off);
+    EACH e->E[u] = SPREAD * (1 + 0x1p-40) * (off[u] + rounding[u]);
 }
 
-/* -------------------------------------------------------------------------- a stretch */
+/* -------------------------------------------------------------------------- stretches */
 
-/* The coefficients over [va, vb], vb > va >= 0, of P of side * v. */
-SGT_KERNEL
-static void bernstein(const along *e, double side, double va, double vb, double *restrict out)
-{
-    const size_t n = e->n;
-    double from[ALONG_MOST];
-    if (vb < HUGE_VAL) {
-        for (size_t k = 0; k <= n; k++) from[n - k] = side < 0 && k % 2 ? -e->b[k] : e->b[k];
-        for (size_t r = n; r > 0; r--)
-            LANES for (size_t i = 0; i < r; i++) from[i] = sgt_fma(vb, from[i], from[i + 1]);
-        for (size_t k = 0; k <= n; k++) out[k] = from[n - k];
-        if (!(va > 0)) return;
-        const double part = va / vb, rest = (vb - va) / vb;
-        for (size_t r = n; r > 0; r--)
-            LANES for (size_t i = 0; i < r; i++) out[i] = sgt_fma(part, out[i + 1], rest * out[i]);
-    } else {
-        for (size_t k = 0; k <= n; k++) out[k] = side < 0 && k % 2 ? -e->b[k] : e->b[k];
-        for (size_t r = n; r > 0; r--)
-            LANES for (size_t i = 0; i < r; i++) out[i] = sgt_fma(va, out[i + 1], out[i]);
-    }
-}
+/* A stretch of each line: side * v, v in [va, vb], and what it says of F. */
+typedef struct stretches {
+    lane_row side, va, vb;
+    lane_row low_a, low_b, high_a, high_b, slope_lo, slope_hi; /* z - base */
+    lane_row f_lo, f_hi, lo, hi;                               /* F, and its slope by v */
+    lane_row a_lo, a_hi, b_lo, b_hi;                           /* F at the ends */
+    lane_row p[ALONG_MOST]; /* coefficient i at n - i */
+} stretches;
 
-/* How far each may be off. */
-static void bernstein_errors(const along *e, double va, double vb, double *err)
+/* How far coefficient i may be off: first * by^i + second * more^i. */
+typedef struct fade { double first, by, second, more; } fade;
+
+SGT_INLINE fade fade_of(const lines *e, size_t u, double va, double vb)
 {
     const bool ends = vb < HUGE_VAL;
     double wa = sqrt(1 + va * va), wb = ends ? sqrt(1 + vb * vb) : 1, sa = 1 + va, sb = ends ? 1 + vb : 1,
-           round = 6.06 * (double)(e->n + 1) * SGT_U * e->B;
-    double first = 1.01 * e->E * along_power(wa, e->n), by = wb / wa, second = 1.01 * round * along_power(sa, e->n),
-           more = sb / sa;
-    for (size_t i = 0; i <= e->n; i++, first *= by, second *= more) err[i] = first + second;
+           round = 6.06 * (double)(e->n + 1) * SGT_U * e->B[u];
+    return (fade){1.01 * e->E[u] * along_power(wa, e->n), wb / wa, 1.01 * round * along_power(sa, e->n), sb / sa};
+}
+
+SGT_KERNEL
+static void bernstein(const lines *e, stretches *s)
+{
+    const size_t n = e->n;
+    lane_row h, k, rest, part;
+    EACH {
+        double va = s->va[u], vb = s->vb[u];
+        mask ends = MASK(vb < HUGE_VAL);
+        h[u] = chosen(ends, 1, 0), k[u] = chosen(ends, vb, 1);
+        double over = 1 / vb, some = va * over, others = (vb - va) * over;
+        part[u] = chosen(ends, some, va), rest[u] = chosen(ends, others, 1);
+    }
+    for (size_t i = 0; i <= n; i++) {
+        double *a = s->p[n - i];
+        const double *b = e->b[i];
+        if (i % 2) EACH a[u] = s->side[u] * b[u];
+        else EACH a[u] = b[u];
+    }
+    for (size_t r = n; r > 0; r--)
+        for (size_t i = 0; i < r; i++)
+            EACH s->p[i][u] = sgt_fma(k[u], s->p[i][u], h[u] * s->p[i + 1][u]);
+    for (size_t r = n; r > 0; r--)
+        for (size_t i = n; i > n - r; i--)
+            EACH s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
 }
 
 /* The base at side * v: bounds on it, and on its slope by v; `sharp` if the latter is bounded. */
-typedef struct base_along { double lo, hi, slope, slope_off; bool sharp; } base_along;
+typedef struct base_along { double lo, hi, slope, off; mask sharp; } base_along;
 
-static base_along base_at_v(const along *e, double v)
+SGT_INLINE base_along base_at_v(double c, double k1, double x0, double y0, double l, double m, double v)
 {
-    double x = e->x + v * e->l, y = e->y + v * e->m, r2 = x * x + y * y, cr2 = e->c * r2,
-           phi2 = 1 - e->k1 * e->c * cr2, off = 0x1p-40 * (1 + fabs(e->k1 * e->c * cr2));
-    double low = cr2 / (1 + sqrt(larger(phi2 + off, 0))), high = cr2 / (1 + sqrt(larger(phi2 - off, 0)));
-    base_along b = {low, high, 0, 0, phi2 > 0x1p-10};
-    if (e->c < 0) b.lo = high, b.hi = low;
-    double slack = (phi2 > 0x1p-10 ? 0x1p-40 : 0x1p-20) * larger(fabs(b.lo), fabs(b.hi));
-    b.lo -= slack, b.hi += slack;
-    b.slope = b.sharp ? e->c / sqrt(phi2) * (x * e->l + y * e->m) : 0;
-    b.slope_off = b.sharp ? 0x1p-28 * fabs(e->c) / sqrt(phi2) * (fabs(x * e->l) + fabs(y * e->m)) : 0;
-    return b;
+    double x = x0 + v * l, y = y0 + v * m, cr2 = c * (x * x + y * y), in = k1 * c * cr2, phi2 = 1 - in,
+           off = 0x1p-40 * (1 + fabs(in));
+    double a = cr2 / (1 + sqrt(larger(phi2 + off, 0))), b = cr2 / (1 + sqrt(larger(phi2 - off, 0)));
+    mask sharp = MASK(phi2 > 0x1p-10), hollow = MASK(c < 0);
+    double slack = chosen(sharp, 0x1p-40, 0x1p-20) * fabs(b), over = c / sqrt(larger(phi2, 0x1p-10));
+    return (base_along){chosen(hollow, b, a) - slack, chosen(hollow, a, b) + slack, over * (x * l + y * m),
+                        0x1p-28 * fabs(over) * (fabs(x * l) + fabs(y * m)), sharp};
 }
 
-/* Bounds on z - base at the ends of two lines, above and below it over the whole stretch. */
-typedef struct rest { double low_a, low_b, high_a, high_b, slope_lo, slope_hi; } rest;
-
-static rest rest_over(const along *e, double side, double va, double vb)
-{
-    double a = side * va, b = side * vb, za = e->z + e->g * a, zb = e->z + e->g * b,
-           off = 0x1p-40 * (fabs(e->z) + fabs(e->g) * vb);
-    rest r;
-    if (e->c == 0) r = (rest){za - off, zb - off, za + off, zb + off, e->g, e->g};
-    else {
-        base_along sa = base_at_v(e, a), sb = base_at_v(e, b), sm = base_at_v(e, 0.5 * (a + b));
-        double half = 0.5 * (b - a), bent = fabs(half) * (sm.slope_off + 0x1p-40 * fabs(sm.slope)),
-               ta = sm.slope * -half, tb = sm.slope * half;
-        if (e->c > 0) { /* above its tangent, or 0; below its chord */
-            double la = sm.sharp ? sm.lo + ta - bent : 0, lb = sm.sharp ? sm.lo + tb - bent : 0;
-            r = (rest){za - sa.hi - off, zb - sb.hi - off, za - la + off, zb - lb + off, 0, 0};
-        } else {
-            double ha = sm.sharp ? sm.hi + ta + bent : 0, hb = sm.sharp ? sm.hi + tb + bent : 0;
-            r = (rest){za - ha - off, zb - hb - off, za - sa.lo + off, zb - sb.lo + off, 0, 0};
-        }
-        if (sa.sharp && sb.sharp) {
-            double least = -larger(-(sa.slope - sa.slope_off), -(sb.slope - sb.slope_off)),
-                   most = larger(sa.slope + sa.slope_off, sb.slope + sb.slope_off);
-            r.slope_lo = e->g - most, r.slope_hi = e->g - least;
-        } else r.slope_lo = -HUGE_VAL, r.slope_hi = HUGE_VAL;
-    }
-    double lost = 0x1p-40 * fabs(e->g);
-    r.slope_lo -= lost, r.slope_hi += lost;
-    return r;
-}
-
-/* The least of z - base - P from below, and the greatest from above, with each coefficient. */
+/* Bounds on z - base at the ends of two lines, above and below it over the whole stretch, and on its slope. */
 SGT_KERNEL
-static sgt_interval range_of(size_t n, rest r, const double *p, const double *err)
+static void rest_over(const lines *e, stretches *s)
 {
-    const double step = 1 / (double)n, low_b = (r.low_b - r.low_a) * step, high_b = (r.high_b - r.high_a) * step,
-                 off = 0x1p-48 * (fabs(r.low_a) + fabs(r.low_b) + fabs(r.high_a) + fabs(r.high_b));
-    double least = -HUGE_VAL, most = -HUGE_VAL;
-#pragma omp simd reduction(max : least, most)
+    const double c = e->c, k1 = e->k1;
+    EACH {
+        double x = e->x[u], y = e->y[u], l = e->l[u], m = e->m[u], g = e->g[u], z = e->z[u],
+               a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], za = z + g * a, zb = z + g * b,
+               off = 0x1p-40 * (fabs(z) + fabs(g) * s->vb[u]);
+        base_along sa = base_at_v(c, k1, x, y, l, m, a), sb = base_at_v(c, k1, x, y, l, m, b),
+                   sm = base_at_v(c, k1, x, y, l, m, 0.5 * (a + b));
+        double half = 0.5 * (b - a), bent = fabs(half) * (sm.off + 0x1p-40 * fabs(sm.slope)), rise = sm.slope * half;
+        /* c > 0: above its tangent, or 0, below its chord; c < 0: the other way; c == 0: both are 0 */
+        mask up = MASK(c > 0), there = sm.sharp & MASK(c != 0);
+        double edge = chosen(up, sm.lo - bent, sm.hi + bent), ta = chosen(there, edge - rise, 0),
+               tb = chosen(there, edge + rise, 0), ca = chosen(up, sa.hi, sa.lo), cb = chosen(up, sb.hi, sb.lo);
+        s->low_a[u] = za - chosen(up, ca, ta) - off, s->low_b[u] = zb - chosen(up, cb, tb) - off;
+        s->high_a[u] = za - chosen(up, ta, ca) + off, s->high_b[u] = zb - chosen(up, tb, cb) + off;
+        double a_lo = sa.slope - sa.off, b_lo = sb.slope - sb.off, a_hi = sa.slope + sa.off, b_hi = sb.slope + sb.off,
+               lost = 0x1p-40 * fabs(g);
+        mask sharp = sa.sharp & sb.sharp;
+        s->slope_lo[u] = chosen(sharp, g - larger(a_hi, b_hi) - lost, -HUGE_VAL);
+        s->slope_hi[u] = chosen(sharp, g + larger(-a_lo, -b_lo) + lost, HUGE_VAL);
+    }
+}
+
+/* The range of the coefficients of z - base - P and of its derivative, each with all that it may be off. */
+SGT_KERNEL
+static void ranges(const lines *e, stretches *s)
+{
+    const size_t n = e->n;
+    const double step = 1 / (double)n;
+    lane_row first, by, second, more, least, most, least_d, most_d, was, was_off, a, b, da, db, at_a;
+    for (size_t u = 0; u < WIDE; u++) {
+        fade w = fade_of(e, u, s->va[u], s->vb[u]);
+        first[u] = w.first, by[u] = w.by, second[u] = w.second, more[u] = w.more;
+        at_a[u] = w.first + w.second;
+    }
+    EACH {
+        least[u] = most[u] = least_d[u] = most_d[u] = -HUGE_VAL, was[u] = s->p[n][u], was_off[u] = 0;
+        a[u] = s->low_a[u], da[u] = (s->low_b[u] - s->low_a[u]) * step, b[u] = s->high_a[u],
+        db[u] = (s->high_b[u] - s->high_a[u]) * step;
+    }
     for (size_t i = 0; i <= n; i++) {
-        double at = (double)i, low = p[i] - (r.low_a + low_b * at) + err[i], high = (r.high_a + high_b * at) - p[i] + err[i];
-        least = low > least ? low : least, most = high > most ? high : most;
+        const double at = (double)i, *p = s->p[n - i], not_yet = i ? 0 : HUGE_VAL;
+        EACH {
+            double err = first[u] + second[u], low = p[u] - (a[u] + da[u] * at) + err,
+                   high = (b[u] + db[u] * at) - p[u] + err, d = s->side[u] * (p[u] - was[u]),
+                   off = err + was_off[u] + SGT_U * (fabs(p[u]) + fabs(was[u])) - not_yet;
+            double d_low = d + off, d_high = off - d;
+            least[u] = low > least[u] ? low : least[u], most[u] = high > most[u] ? high : most[u];
+            least_d[u] = d_low > least_d[u] ? d_low : least_d[u], most_d[u] = d_high > most_d[u] ? d_high : most_d[u];
+            was[u] = p[u], was_off[u] = err, first[u] *= by[u], second[u] *= more[u];
+        }
     }
-    return sgt_interval_between(-(least + off), most + off);
-}
-
-/* That of the derivative by v, on this side: r's is by v itself. */
-SGT_KERNEL
-static sgt_interval slope_of(size_t n, double side, double width, rest r, const double *p, const double *err)
-{
-    const double by = (double)n / width * (1 + 0x1p-50);
-    double least = -HUGE_VAL, most = -HUGE_VAL;
-#pragma omp simd reduction(max : least, most)
-    for (size_t i = 0; i < n; i++) {
-        double d = side * (p[i + 1] - p[i]), off = err[i + 1] + err[i] + SGT_U * (fabs(p[i + 1]) + fabs(p[i]));
-        double low = d + off, high = off - d;
-        least = low > least ? low : least, most = high > most ? high : most;
+    EACH {
+        double all = fabs(s->low_a[u]) + fabs(s->low_b[u]) + fabs(s->high_a[u]) + fabs(s->high_b[u]), off = 0x1p-48 * all,
+               width = s->vb[u] - s->va[u], scale = (double)n / width;
+        double ends = was_off[u], begins = at_a[u] + off;
+        s->f_lo[u] = -(least[u] + off), s->f_hi[u] = most[u] + off;
+        double lo = least_d[u] * scale, hi = most_d[u] * scale;
+        s->lo[u] = s->slope_lo[u] - lo - 0x1p-46 * fabs(lo), s->hi[u] = s->slope_hi[u] + hi + 0x1p-46 * fabs(hi);
+        s->b_lo[u] = s->low_b[u] - s->p[0][u] - ends - off, s->b_hi[u] = s->high_b[u] - s->p[0][u] + ends + off;
+        /* no number above is NaN */
+        mask fine = MASK(all < 0x1p900) & MASK(ends < 0x1p900) & MASK(fabs(s->p[n][u]) < 0x1p900);
+        s->f_lo[u] = chosen(fine, s->f_lo[u], -HUGE_VAL), s->f_hi[u] = chosen(fine, s->f_hi[u], HUGE_VAL);
+        s->lo[u] = chosen(fine, s->lo[u], -HUGE_VAL), s->hi[u] = chosen(fine, s->hi[u], HUGE_VAL);
+        s->a_lo[u] = s->low_a[u] - s->p[n][u] - begins, s->a_hi[u] = s->high_a[u] - s->p[n][u] + begins;
     }
-    least *= by, most *= by;
-    return sgt_interval_between(r.slope_lo - least - 0x1p-48 * fabs(least), r.slope_hi + most + 0x1p-48 * fabs(most));
 }
 
 /* The range of F over a stretch without an end: the coefficients of z, and of c r^2, beside those of P. */
-static sgt_interval range_to_infinity(const along *e, double side, double va, const double *p, const double *err)
+static void range_to_infinity(const lines *e, stretches *s, size_t u)
 {
-    const double n = (double)e->n, a = side * va, x = e->x + a * e->l, y = e->y + a * e->m, r2 = x * x + y * y,
-                 W2 = e->l * e->l + e->m * e->m;
-    double z[3] = {e->z + e->g * a, side * e->g / n, 0},
-           s[3] = {e->c * r2, e->c * 2 * (W2 * va + fabs(x * e->l + y * e->m - a * W2)) / n,
-                   e->c * 2 * W2 / (n * (n - 1))},
-           least = HUGE_VAL, most = -HUGE_VAL;
-    for (size_t i = 0; i <= e->n; i++) {
-        double at = i < 3 ? z[i] : 0, base = i < 3 ? s[i] * (1 + 0x1p-20) : 0,
-               off = err[i] + (i == 0 ? 0x1p-40 * (fabs(e->z) + fabs(e->g * a)) : 0x1p-40 * fabs(at));
-        double low = at - larger(base, 0) - p[i] - off, high = at - (base < 0 ? base : 0) - p[i] + off;
-        low -= 0x1p-48 * (fabs(at) + fabs(base) + fabs(p[i])), high += 0x1p-48 * (fabs(at) + fabs(base) + fabs(p[i]));
-        least = low < least ? low : least, most = larger(most, high);
+    const double n = (double)e->n, va = s->va[u], side = s->side[u], a = side * va, l = e->l[u], m = e->m[u],
+                 x = e->x[u] + a * l, y = e->y[u] + a * m, W2 = l * l + m * m,
+                 z[3] = {e->z[u] + e->g[u] * a, side * e->g[u] / n, 0},
+                 base[3] = {e->c * (x * x + y * y), e->c * 2 * (W2 * va + fabs(e->x[u] * l + e->y[u] * m)) / n,
+                            e->c * 2 * W2 / (n * (n - 1))};
+    double least = HUGE_VAL, most = -HUGE_VAL, all = 0;
+    fade w = fade_of(e, u, va, HUGE_VAL);
+    for (size_t i = 0; i <= e->n; i++, w.first *= w.by, w.second *= w.more) {
+        double at = i < 3 ? z[i] : 0, more = i < 3 ? base[i] * (1 + 0x1p-20) : 0, p = s->p[e->n - i][u],
+               terms = i == 0 ? fabs(e->z[u]) + fabs(e->g[u] * a) : fabs(at),
+               off = w.first + w.second + 0x1p-40 * terms + 0x1p-48 * (fabs(more) + fabs(p));
+        double low = at - larger(more, 0) - p - off, high = at + larger(-more, 0) - p + off;
+        least = low < least ? low : least, most = larger(most, high), all += fabs(low) + fabs(high);
     }
-    return sgt_interval_between(least, most);
+    bool fine = all < 0x1p900;
+    s->f_lo[u] = fine ? least : -HUGE_VAL, s->f_hi[u] = fine ? most : HUGE_VAL;
+    s->lo[u] = -HUGE_VAL, s->hi[u] = HUGE_VAL;
 }
 
-/* What a stretch says of F. */
-typedef struct over { bool clear, root; sgt_interval f, slope; } over;
-
-static over look_over(const along *e, double side, double va, double vb)
+static void look_over(const lines *e, stretches *s)
 {
-    double p[ALONG_MOST], err[ALONG_MOST];
-    over is = {false, false, SGT_ANY_NUMBER, SGT_ANY_NUMBER};
-    bernstein(e, side, va, vb, p);
-    bernstein_errors(e, va, vb, err);
-    if (!(vb < HUGE_VAL)) {
-        if (!(err[0] < 0x1p900 && err[e->n] < 0x1p900)) return is;
-        is.f = range_to_infinity(e, side, va, p, err);
-        is.clear = is.f.lo > 0 || is.f.hi < 0;
-        return is;
-    }
-    rest r = rest_over(e, side, va, vb);
-    /* no number below is NaN */
-    double all = fabs(r.low_a) + fabs(r.low_b) + fabs(r.high_a) + fabs(r.high_b);
-    if (!(all < 0x1p900 && err[0] < 0x1p900 && err[e->n] < 0x1p900)) return is;
-    is.f = range_of(e->n, r, p, err);
-    is.clear = is.f.lo > 0 || is.f.hi < 0;
-    if (is.clear) return is;
-    is.slope = slope_of(e->n, side, vb - va, r, p, err);
-    if (!(is.slope.lo > 0 || is.slope.hi < 0)) return is;
-    /* monotone: F at the ends, where the lines that are its chord are the base */
-    size_t n = e->n;
-    double off = 0x1p-48 * (fabs(r.low_a) + fabs(r.low_b) + fabs(r.high_a) + fabs(r.high_b));
-    double a_lo = r.low_a - p[0] - err[0] - off, a_hi = r.high_a - p[0] + err[0] + off,
-           b_lo = r.low_b - p[n] - err[n] - off, b_hi = r.high_b - p[n] + err[n] + off;
-    is.clear = (a_lo > 0 && b_lo > 0) || (a_hi < 0 && b_hi < 0);
-    is.root = (a_lo > 0 && b_hi < 0) || (a_hi < 0 && b_lo > 0);
-    return is;
+    bernstein(e, s);
+    rest_over(e, s);
+    ranges(e, s);
+    for (size_t u = 0; u < WIDE; u++)
+        if (!(s->vb[u] < HUGE_VAL)) range_to_infinity(e, s, u);
+}
+
+static bool is_clear(const stretches *s, size_t u)
+{
+    if (s->f_lo[u] > 0 || s->f_hi[u] < 0) return true;
+    bool monotone = s->lo[u] > 0 || s->hi[u] < 0;
+    return monotone && ((s->a_lo[u] > 0 && s->b_lo[u] > 0) || (s->a_hi[u] < 0 && s->b_hi[u] < 0));
+}
+
+/* Has F one root over the stretch, certainly? */
+static bool has_root(const stretches *s, size_t u)
+{
+    bool monotone = s->lo[u] > 0 || s->hi[u] < 0;
+    return monotone && ((s->a_lo[u] > 0 && s->b_hi[u] < 0) || (s->a_hi[u] < 0 && s->b_lo[u] > 0));
 }
 
 /* Half-way in phi; vb may be infinite. */
@@ -431,131 +464,131 @@ static double half_way(double va, double vb)
 }
 
 /* F as p has it. */
-static double value_along(const along *e, double v)
+static double value_along(const lines *e, size_t u, double v)
 {
-    base_along s = base_at_v(e, v);
+    base_along s = base_at_v(e->c, e->k1, e->x[u], e->y[u], e->l[u], e->m[u], v);
     double p = 0;
-    for (size_t k = e->n + 1; k-- > 0;) p = sgt_fma(p, v, e->p[k]);
-    return e->z + e->g * v - 0.5 * (s.lo + s.hi) - p;
+    for (size_t k = e->n + 1; k-- > 0;) p = sgt_fma(p, v, e->p[k][u]);
+    return e->z[u] + e->g[u] * v - 0.5 * (s.lo + s.hi) - p;
 }
 
-/* Where p has the root between, roughly: regula falsi, with the end that stays halved (Illinois). */
-static double root_between(const along *e, double a, double b)
+/* Where p has the root between, within a part of `room`: regula falsi, with the end that stays halved
+ * (Illinois). */
+static double root_between(const lines *e, size_t u, double a, double b)
 {
-    double fa = value_along(e, a), fb = value_along(e, b), v = 0.5 * (a + b);
-    for (int i = 0; i < ALONG_SEEKS && !(fabs(b - a) <= 0x1p-30 * fabs(b)); i++) {
+    double fa = value_along(e, u, a), fb = value_along(e, u, b), v = 0.5 * (a + b);
+    for (int i = 0; i < ALONG_SEEKS; i++) {
         double was = v;
         v = b - fb * ((b - a) / (fb - fa));
         if (!(fabs(v - 0.5 * (a + b)) < 0.5 * fabs(b - a))) v = 0.5 * (a + b);
-        double f = value_along(e, v);
+        double f = value_along(e, u, v);
         if (signbit(f) == signbit(fb)) fa *= 0.5;
         else a = b, fa = fb;
         b = v, fb = f;
-        if (fabs(v - was) <= 0x1p-20 * fabs(v)) break;
+        if (fabs(v - was) <= 0x1p-10 * (1 + fabs(v)) / (double)e->n) break;
     }
     return v;
 }
 
 /* ------------------------------------------------------------------------------ the way */
 
-static void tell_trial(const vicinity *v, double lo, double hi, const over *is, double by, double scale)
-{
-    sgt_interval slope = sgt_interval_between(is->slope.lo / (by * scale), is->slope.hi / (by * scale));
-    tell_cell(v->told, SGT_MARCH, lo, hi, is->f, slope);
-}
+/* A ray on its way from `at` to `to`, in v: at how many stretches it has been looked; the ends of those that
+ * wait, the nearest last.  In the end a stretch [from, until] that has a root, and where p has it. */
+typedef struct walker {
+    bool done;
+    int trials, waiting, rooms;
+    double begin, at, to, probe, from, until, root;
+    double pending[ALONG_DEEP];
+} walker;
 
-/* The row's answer: F is monotone between the two, on this side, and has a root there. */
-static bool tell_stretch(const along *e, double side, double va, double vb, double t0, double by, double scale,
-                         const vicinity *v, size_t i)
+/* Sets the stretch that is looked at next. */
+static void aim(walker *w, size_t u, const lines *e, stretches *s)
 {
-    double root = fabs(root_between(e, side * va, side * vb)), room = (1 + root) / (8 * (double)e->n);
-    for (int k = 0; k < 4; k++, room *= 0.25) {
-        double a = larger(root - room, va), b = root + room < vb ? root + room : vb;
-        if (!(a < b)) return false;
-        over is = look_over(e, side, a, b);
-        v->evals[i] += 1;
-        if (v->told) tell_trial(v, (t0 + side * a * by) * scale, (t0 + side * b * by) * scale, &is, by, scale);
-        double least = is.slope.lo > 0 ? is.slope.lo : -is.slope.hi;
-        if (!(least > 0 && least < HUGE_VAL)) continue;
-        double inside = 0x1p-10 * (b - a), one = side > 0 ? a : -b, other = side > 0 ? b : -a;
-        double lo = t0 + (one + inside) * by, hi = t0 + (other - inside) * by,
-               lost = 0x1p-44 * (fabs(t0) + fabs(one * by) + fabs(other * by) + by);
-        if (!(lo + lost < hi - lost && inside * by > lost)) continue;
-        v->lo[i] = lo * scale, v->hi[i] = hi * scale, v->seed[i] = (t0 + side * root * by) * scale;
-        if (!(v->seed[i] > v->lo[i] && v->seed[i] < v->hi[i])) v->seed[i] = 0.5 * (v->lo[i] + v->hi[i]);
-        v->least[i] = least / by * (1 - 0x1p-20), v->asked[i] = 0;
-        return true;
+    double one = w->at, other = w->probe;
+    if (w->done) one = 0, other = 1;
+    else if (w->rooms) {
+        double room = (1 + fabs(w->root)) / (8 * (double)e->n);
+        for (int k = 1; k < w->rooms; k++) room *= 0.25;
+        one = larger(w->root - room, w->from), other = w->root + room < w->until ? w->root + room : w->until;
     }
-    return false;
+    bool negative = one < 0 || other < 0;
+    s->side[u] = negative ? -1 : 1, s->va[u] = negative ? -other : one, s->vb[u] = negative ? -one : other;
 }
 
-/* From `from` to `to` in v.  Returns 1 if all is clear, 2 if a root is told, else 0; *reached: how far it is
- * clear. */
-static int go_along(const along *e, double from, double to, double t0, double by, double scale,
-                    const vicinity *v, size_t i, double *reached)
+static void tell_trial(const vicinity *v, const lines *e, const stretches *s, size_t u)
 {
-    double at = from, pending[ALONG_TRIALS];
-    int waiting = 0, trials = 0;
-    *reached = from;
-    while (at < to) {
-        const double side = at < 0 ? -1 : 1, end = at < 0 && to > 0 ? 0 : to;
-        double probe = waiting ? pending[waiting - 1] : end;
-        for (;;) {
-            double va = side > 0 ? at : -probe, vb = side > 0 ? probe : -at;
-            if (trials++ == ALONG_TRIALS || waiting == ALONG_TRIALS || v->evals[i] >= 0.5 * v->budget) return 0;
-            over is = look_over(e, side, va, vb);
-            v->evals[i] += 1;
-            if (v->told) tell_trial(v, (t0 + at * by) * scale, (t0 + probe * by) * scale, &is, by, scale);
-            if (v->told && v->told->stopped) return 0;
-            if (is.clear) {
-                *reached = at = probe;
-                if (waiting) waiting--;
-                break;
-            }
-            if (is.root) return tell_stretch(e, side, va, vb, t0, by, scale, v, i) ? 2 : 0;
-            if (!(vb - va > 0x1p-16 * (1 + va))) return 0;
-            if (!waiting || pending[waiting - 1] != probe) pending[waiting++] = probe;
-            double mid = half_way(va, vb);
-            probe = side * mid;
-            if (!(mid > va && mid < vb)) return 0;
-        }
+    double a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], one = e->t0[u] + (a < b ? a : b) * e->by[u],
+           other = e->t0[u] + (a < b ? b : a) * e->by[u], by = 1 / (e->by[u] * e->scale[u]);
+    tell_cell(v->told, SGT_MARCH, one * e->scale[u], other * e->scale[u],
+              sgt_interval_between(s->f_lo[u], s->f_hi[u]), sgt_interval_between(s->lo[u] * by, s->hi[u] * by));
+}
+
+/* The answer for a stretch about the root: false: too little is known of it. */
+static bool tell_stretch(const lines *e, const stretches *s, size_t u, double root, const vicinity *v, size_t i)
+{
+    double least = s->lo[u] > 0 ? s->lo[u] : -s->hi[u], a = s->side[u] > 0 ? s->va[u] : -s->vb[u],
+           b = s->side[u] > 0 ? s->vb[u] : -s->va[u], by = e->by[u], t0 = e->t0[u], scale = e->scale[u];
+    if (!(least > 0 && least < HUGE_VAL)) return false;
+    double inside = 0x1p-10 * (b - a), lo = t0 + (a + inside) * by, hi = t0 + (b - inside) * by,
+           lost = 0x1p-44 * (fabs(t0) + fabs(a * by) + fabs(b * by) + by);
+    if (!(lo + lost < hi - lost && inside * by > lost)) return false;
+    v->lo[i] = lo * scale, v->hi[i] = hi * scale, v->seed[i] = (t0 + root * by) * scale;
+    if (!(v->seed[i] > v->lo[i] && v->seed[i] < v->hi[i])) v->seed[i] = 0.5 * (v->lo[i] + v->hi[i]);
+    v->least[i] = least / by * (1 - 0x1p-20), v->asked[i] = 0;
+    return true;
+}
+
+/* What the last look says: the walker goes on, or is done. */
+static along_says step(walker *w, const lines *e, const stretches *s, size_t u, const vicinity *v, size_t i)
+{
+    const along_says so_far = w->at > w->begin ? ALONG_CLEAR : ALONG_SILENT;
+    if (w->rooms) {
+        if (tell_stretch(e, s, u, w->root, v, i)) return w->done = true, ALONG_ROOT;
+        w->done = ++w->rooms > ALONG_ROOMS;
+        return so_far;
     }
-    return 1;
+    if (is_clear(s, u)) {
+        w->at = w->probe;
+        if (w->waiting) w->waiting--;
+        if (!(w->at < w->to)) return w->done = true, ALONG_MISS;
+        w->probe = w->waiting ? w->pending[w->waiting - 1] : w->at < 0 && w->to > 0 ? 0 : w->to;
+        return ALONG_CLEAR;
+    }
+    double va = s->va[u], vb = s->vb[u], mid = half_way(va, vb);
+    if (has_root(s, u)) {
+        w->from = w->at, w->until = w->probe, w->rooms = 1;
+        w->root = root_between(e, u, w->from, w->until);
+        return so_far;
+    }
+    if (!w->waiting || w->pending[w->waiting - 1] != w->probe) {
+        if (w->waiting == ALONG_DEEP) return w->done = true, so_far;
+        w->pending[w->waiting++] = w->probe;
+    }
+    w->probe = s->side[u] * mid;
+    bool spent = ++w->trials == ALONG_TRIALS || v->evals[i] >= 0.5 * v->budget;
+    w->done = spent || !(vb - va > 0x1p-16 * (1 + va)) || !(mid > va && mid < vb);
+    return so_far;
 }
 
-along_says sgt_look_along(sgt_surface s, const sgt_ray *ray, double from, vicinities *kept, const vicinity *v,
-                          size_t i, double *clear)
+/* Lays lane u for this ray, from t on.  Returns ALONG_CLEAR if it is to be looked along. */
+static along_says lay_line(const sgt_ray *ray, double from, double home, lines *e, size_t u, walker *w)
 {
-    const struct sgt_builtin_ops *builtin = s.ops->own_;
-    sgt_course course = {0, false, 0};
-    if (!builtin->departure || !builtin->departure->along || !builtin->base || builtin->rim(s.self) > 0)
-        return ALONG_SILENT;
-    if (!builtin->departure->noise || !builtin->departure->along(s.self, &course)) return ALONG_SILENT;
-    along e;
-    e.half = course.degree / 2 + 1, e.half = e.half < 2 ? 2 : e.half, e.n = 2 * e.half - 1;
-    if (e.half > ALONG_HALF) return ALONG_SILENT;
-    double k, scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
-    builtin->base(s.self, &e.c, &k), e.k1 = 1 + k;
-    double l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale, a = l * l + m * m;
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), l = ray->d.x * scale, m = ray->d.y * scale,
+           n = ray->d.z * scale, a = l * l + m * m;
     if (!(a > 0x1p-60)) return ALONG_SILENT;
     double t0 = -(ray->o.x * l + ray->o.y * m) / a;
-    e.x = moved_along(ray->o.x, t0, l), e.y = moved_along(ray->o.y, t0, m);
-    t0 -= (e.x * l + e.y * m) / a;
-    e.x = moved_along(ray->o.x, t0, l), e.y = moved_along(ray->o.y, t0, m);
-    e.z = moved_along(ray->o.z, t0, n);
+    double x = moved_along(ray->o.x, t0, l), y = moved_along(ray->o.y, t0, m);
+    t0 -= (x * l + y * m) / a;
+    x = moved_along(ray->o.x, t0, l), y = moved_along(ray->o.y, t0, m);
+    double z = moved_along(ray->o.z, t0, n), left = (x * l + y * m) / a;
     /* From afar an ulp of t0 is long.  What is left to the nearest point is less than what is lost of t. */
-    double left = (e.x * l + e.y * m) / a;
-    e.x -= left * l, e.y -= left * m, e.z -= left * n;
-    double near = sqrt(e.x * e.x + e.y * e.y);
-    e.W = rung_above(larger(course.home, 1.02 * near), FINE);
-    double aside = fabs(e.x * l + e.y * m) / sqrt(a);
-    bool fine = e.W > 0x1p-300 && e.W < 0x1p300 && aside <= 0x1p-48 * e.W && fabs(left) <= 0x1p-48 * (fabs(t0) + e.W / sqrt(a));
-    if (!fine || !(fabs(e.z) < 0x1p500)) return ALONG_SILENT;
-    double by = e.W / sqrt(a); /* dt/dv */
-    e.l = by * l, e.m = by * m, e.g = by * n;
-    /* where it begins and ends */
-    double lost = 0x1p-45 * (fabs(from * inverse) + fabs(t0) + by), begin = (from * inverse - t0 - lost) / by,
-           end = HUGE_VAL, kappa = e.k1 * e.c * e.c;
+    x -= left * l, y -= left * m, z -= left * n;
+    double near = sqrt(x * x + y * y), root = sqrt(a), W = rung_above(larger(home, 1.02 * near), FINE);
+    bool fine = W > 0x1p-300 && W < 0x1p300 && fabs(x * l + y * m) <= 0x1p-48 * W * root &&
+                fabs(left) <= 0x1p-48 * (fabs(t0) + W / root) && fabs(z) < 0x1p500;
+    if (!fine) return ALONG_SILENT;
+    double by = W / root, lost = 0x1p-45 * (fabs(from * inverse) + fabs(t0) + by),
+           begin = (from * inverse - t0 - lost) / by, end = HUGE_VAL, kappa = e->k1 * e->c * e->c;
     if (from == -HUGE_VAL) begin = -HUGE_VAL;
     if (ray->tmax < HUGE_VAL) {
         double t = ray->tmax * inverse;
@@ -564,22 +597,82 @@ along_says sgt_look_along(sgt_surface s, const sgt_ray *ray, double from, vicini
     if (kappa > 0) {
         double reach2 = 1 / kappa * (1 + 0x1p-30) - near * near;
         if (!(reach2 > 0)) return ALONG_MISS; /* it passes by the base */
-        double reach = sqrt(reach2) / e.W * (1 + 0x1p-30) + 0x1p-30;
+        double reach = sqrt(reach2) / W * (1 + 0x1p-30) + 0x1p-30;
         begin = larger(begin, -reach), end = end < reach ? end : reach;
     }
     if (!(begin < end)) return end <= begin ? ALONG_MISS : ALONG_SILENT;
     double far = larger(begin > -HUGE_VAL ? -begin : 0, end < HUGE_VAL ? end : 0);
-    if (!(far < 0x1p20 && along_power(1 + far, e.n) < 0x1p900)) return ALONG_SILENT;
-    double rounding = rounding_about(s, e.half, e.W, kept);
-    if (!(rounding < HUGE_VAL) || !ask_along(s, course.even, rounding, &e)) return ALONG_SILENT;
-    double reached;
-    int said = go_along(&e, begin, end, t0, by, scale, v, i, &reached);
-    if (said == 1) return ALONG_MISS;
-    if (said == 2) return ALONG_ROOT;
-    if (!(reached > begin)) return ALONG_SILENT;
-    double t = t0 + reached * by;
-    t = (t - 0x1p-44 * (fabs(t0) + fabs(reached * by) + by)) * scale;
-    if (!(t > from)) return ALONG_SILENT;
-    *clear = t;
+    if (!(far < 0x1p20 && along_power(1 + far, e->n) < 0x1p900)) return ALONG_SILENT;
+    e->x[u] = x, e->y[u] = y, e->z[u] = z, e->l[u] = by * l, e->m[u] = by * m, e->g[u] = by * n;
+    e->W[u] = W, e->t0[u] = t0, e->by[u] = by, e->scale[u] = scale;
+    *w = (walker){.begin = begin, .at = begin, .to = end, .probe = begin < 0 && end > 0 ? 0 : end};
     return ALONG_CLEAR;
+}
+
+static double reached(const lines *e, size_t u, const walker *w)
+{
+    double t0 = e->t0[u], by = e->by[u], v = w->at;
+    return (t0 + v * by - 0x1p-44 * (fabs(t0) + fabs(v * by) + by)) * e->scale[u];
+}
+
+SGT_INLINE bool along_offered(sgt_surface s, sgt_course *course)
+{
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
+    const departure *of = builtin->departure;
+    if (!of || !of->along || !of->noise || !builtin->base || builtin->rim(s.self) > 0) return false;
+    return of->along(s.self, course) && course->degree < ALONG_MOST;
+}
+
+void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double t[], along_says said[],
+                    vicinities *kept, const vicinity *v)
+{
+    sgt_course course = {0, false, 0};
+    for (size_t u = 0; u < count; u++) said[u] = ALONG_SILENT;
+    if (count == 0 || !along_offered(s, &course)) return;
+    lines e;
+    walker walk[WIDE];
+    stretches at;
+    size_t of[WIDE], some = 0;
+    lane_row rounding;
+    double k;
+    e.half = course.degree / 2 + 1, e.half = e.half < 2 ? 2 : e.half, e.n = 2 * e.half - 1;
+    s.ops->own_->base(s.self, &e.c, &k), e.k1 = 1 + k;
+    for (size_t j = 0; j < count; j++) {
+        size_t i = row[j];
+        const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
+                             v->tmin[i], v->tmax[i]};
+        said[j] = lay_line(&ray, t[j], course.home, &e, some, &walk[some]);
+        if (said[j] != ALONG_CLEAR) continue;
+        said[j] = ALONG_SILENT;
+        rounding[some] = rounding_about(s, e.half, e.W[some], kept);
+        if (rounding[some] < HUGE_VAL) of[some++] = j;
+    }
+    if (some == 0) return;
+    for (size_t u = some; u < WIDE; u++) { /* as the first */
+        e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0], e.g[u] = e.g[0];
+        walk[u].done = true, rounding[u] = rounding[0];
+    }
+    ask_along(s, !course.even, rounding, &e);
+    for (size_t u = 0; u < some; u++) walk[u].done = !(e.E[u] < 0x1p900 && e.B[u] < 0x1p900);
+    for (;;) {
+        size_t left = 0;
+        for (size_t u = 0; u < WIDE; u++) left += !walk[u].done, aim(&walk[u], u, &e, &at);
+        if (left == 0) break;
+        look_over(&e, &at);
+        for (size_t u = 0; u < some; u++) {
+            if (walk[u].done) continue;
+            size_t j = of[u], i = row[j];
+            v->evals[i] += 1;
+            if (v->told) tell_trial(v, &e, &at, u);
+            said[j] = step(&walk[u], &e, &at, u, v, i);
+            if (v->told && v->told->stopped) walk[u].done = true;
+        }
+    }
+    for (size_t u = 0; u < some; u++) {
+        size_t j = of[u];
+        if (said[j] != ALONG_CLEAR) continue;
+        double to = reached(&e, u, &walk[u]);
+        if (to > t[j]) t[j] = to;
+        else said[j] = ALONG_SILENT;
+    }
 }

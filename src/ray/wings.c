@@ -780,33 +780,67 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
     march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v);
 }
 
-/* May a ray that begins here start on the surface?  Then the march leaves it first.  As stays_off of vicinity.c
- * has it. */
-static bool on_start(sgt_surface s, const sgt_ray *ray, double t)
+/* The rows that the march is to begin with: of all that are asked, or of those on one side of the edge. */
+static bool is_marched(const vicinity *v, double edge, bool behind, double t, size_t i)
 {
-    if (t != ray->tmin || !starts_low(ray->o, t)) return false;
-    sgt_vec3 g;
-    double f = s.ops->value(s.self, ray->o, &g);
-    return !(fabs(f) > 0x1p-32 * (fabs(ray->o.x * g.x) + fabs(ray->o.y * g.y) + fabs(ray->o.z)));
+    if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) return false;
+    return !(edge < HUGE_VAL) || behind == (v->seed[i] < v->tmin[i]);
+}
+
+/* Looks along these rows, from their t on.  Those that begin where they may start on the surface are left to the
+ * march, which knows how to leave it (as stays_off of vicinity.c has it). */
+static void look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double *begin,
+                       vicinities *kept, const vicinity *v)
+{
+    double p[3][ALONG_ROWS], f[ALONG_ROWS], g[3][ALONG_ROWS], t[ALONG_ROWS];
+    size_t some = 0, off[ALONG_ROWS];
+    along_says said[ALONG_ROWS];
+    for (size_t j = 0; j < count; j++)
+        for (int c = 0; c < 3; c++) p[c][j] = r->o[c][row[j]];
+    s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {g[0], g[1], g[2]}});
+    for (size_t j = 0; j < count; j++) {
+        size_t i = row[j];
+        double terms = fabs(p[0][j] * g[0][j]) + fabs(p[1][j] * g[1][j]) + fabs(p[2][j]);
+        bool low = begin[i] == v->tmin[i] && starts_low((sgt_vec3){p[0][j], p[1][j], p[2][j]}, begin[i]);
+        if (!low || fabs(f[j]) > 0x1p-32 * terms) off[some] = i, t[some++] = begin[i];
+    }
+    sgt_look_along(s, r, some, off, t, said, kept, v);
+    for (size_t j = 0; j < some; j++) {
+        size_t i = off[j];
+        if (said[j] == ALONG_MISS) is_miss(v, i);
+        if (said[j] == ALONG_CLEAR && v->clear) v->clear[i] = larger(v->clear[i], t[j]);
+        begin[i] = t[j];
+    }
+}
+
+/* The same for all rows that are to be marched along. */
+SGT_NOINLINE
+static void look_along_all(sgt_surface s, size_t n, const sgt_rays *r, double edge, bool behind, double *begin,
+                           vicinities *kept, const vicinity *v)
+{
+    size_t row[ALONG_ROWS], count = 0;
+    for (size_t i = 0; i <= n; i++) {
+        if (i < n && is_marched(v, edge, behind, begin[i], i)) row[count++] = i;
+        if (count < ALONG_ROWS && i < n) continue;
+        if (count > 0) look_along(s, r, count, row, begin, kept, v);
+        count = 0;
+    }
 }
 
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
                      const sgt_shared *bare, vicinities *kept, const vicinity *v)
 {
     rows a = v->work;
-    double edge = sqrt(bare->radius2);
+    double edge = sqrt(bare->radius2), begin[VICINITY_MOST];
     size_t left = 0;
+    memcpy(begin, from, n * sizeof *begin);
+    look_along_all(s, n, &r, edge, behind, begin, kept, v);
+    if (v->told && v->told->stopped) return;
     for (size_t i = 0; i < n; i++) {
-        double t = from[i]; /* perhaps one of the rows */
-        if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
-        if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
+        double t = begin[i];
+        if (!is_marched(v, edge, behind, t, i)) continue;
         sgt_ray ray = row_ray(&r, v, i);
         size_t k = left;
-        along_says said = ALONG_SILENT;
-        if (!on_start(s, &ray, t)) said = sgt_look_along(s, &ray, t, kept, v, i, &t);
-        if (said == ALONG_MISS) is_miss(v, i);
-        if (said == ALONG_MISS || said == ALONG_ROOT || (v->told && v->told->stopped)) continue;
-        if (said == ALONG_CLEAR && v->clear) v->clear[i] = larger(v->clear[i], t);
         lay_row(a, k, &ray, i, t, v->seed[i]);
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         if (bare->tailed) {
@@ -872,7 +906,8 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
                 if (in_rings && off) {
-                    along_says said = sgt_look_along(s, &ray, t, kept, v, k, &t);
+                    along_says said;
+                    sgt_look_along(s, &r, 1, &k, &t, &said, kept, v);
                     if (said == ALONG_MISS) is_miss(v, k);
                     if (said == ALONG_MISS || said == ALONG_ROOT || (v->told && v->told->stopped)) {
                         wings_leave(a, i, --left);
