@@ -63,11 +63,17 @@
 
 /* At least half of the greatest number of nodes; rays at a time; stretches of one ray; those that wait. */
 enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, WIDE = ALONG_ROWS, ALONG_TRIALS = 48, ALONG_DEEP = 16,
-       ALONG_SEEKS = 12, ALONG_ROOMS = 4 };
+       ALONG_SEEKS = 12, ALONG_ROOMS = 4,
+       ALONG_GUESSES = 3 };
 static const double SPREAD = 4;
 
 typedef double lane_row[WIDE];
 #define EACH LANES for (size_t u = 0; u < WIDE; u++)
+
+/* Stretches at a time: as the rays need one or many, a ray that is done gives its place to the next. */
+enum { ABREAST = 4 };
+typedef double look_row[ABREAST];
+#define EACH_LOOK LANES for (size_t u = 0; u < ABREAST; u++)
 
 /* The lines of some rays, each about its point nearest the axis, counted in v, and P along it. */
 typedef struct lines {
@@ -250,24 +256,27 @@ static void scale_by_binomial(lines *e)
 }
 
 /* P along the lines. */
-SGT_NOINLINE static void ask_along(sgt_surface s, bool both, const lane_row rounding, lines *e)
+SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const lane_row rounding, lines *e)
 {
-    enum { GROUP = DEPARTURE_BLOCK / WIDE };
+    const size_t group = DEPARTURE_BLOCK / count;
     const departure *of = s.ops->own_->departure;
     const size_t half = e->half;
     nodes at;
     lane_row value[ALONG_MOST], off;
     nodes_of(half, &at);
     for (size_t i = 0, few; i < (both ? 2 * half : half); i += few) {
-        double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK];
+        double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK],
+            py[DEPARTURE_BLOCK];
         few = (both ? 2 * half : half) - i;
-        few = few < GROUP ? few : GROUP;
+        few = few < group ? few : group;
         for (size_t j = 0; j < few; j++) {
             const double v = i + j < half ? at.v[i + j] : -at.v[i + j - half];
-            double *a = x + j * WIDE, *b = y + j * WIDE;
-            EACH a[u] = e->x[u] + v * e->l[u], b[u] = e->y[u] + v * e->m[u];
+            double *a = x + j * count, *b = y + j * count;
+            LANES for (size_t u = 0; u < count; u++) a[u] = e->x[u] + v * e->l[u], b[u] = e->y[u] + v * e->m[u];
         }
-        of->at(s.self, few * WIDE, x, y, (sag_values){value[i], px, py});
+        of->at(s.self, few * count, x, y, (sag_values){p, px, py});
+        for (size_t j = 0; j < few; j++)
+            for (size_t u = 0; u < WIDE; u++) value[i + j][u] = p[j * count + (u < count ? u : 0)];
     }
     if (!both) memcpy(value + half, value, half * sizeof *value);
     double q[ALONG_HALF][ALONG_HALF];
@@ -282,30 +291,33 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, const lane_row roun
 
 /* A stretch of each line: side * v, v in [va, vb], and what it says of F. */
 typedef struct stretches {
-    lane_row side, va, vb;
-    lane_row low_a, low_b, high_a, high_b, slope_lo, slope_hi; /* z - base */
-    lane_row f_lo, f_hi, lo, hi;                               /* F, and its slope by v */
-    lane_row a_lo, a_hi, b_lo, b_hi;                           /* F at the ends */
-    lane_row p[ALONG_MOST]; /* coefficient i at n - i */
+    size_t ray[ABREAST];
+    look_row x, y, l, m, z, g, E, B; /* of that ray */
+    look_row side, va, vb;
+    look_row low_a, low_b, high_a, high_b, slope_lo, slope_hi; /* z - base */
+    look_row f_lo, f_hi, lo, hi;                               /* F, and its slope by v */
+    look_row a_lo, a_hi, b_lo, b_hi;                           /* F at the ends */
+    look_row p[ALONG_MOST]; /* coefficient i at n - i */
 } stretches;
 
 /* How far coefficient i may be off: first * by^i + second * more^i. */
 typedef struct fade { double first, by, second, more; } fade;
 
-SGT_INLINE fade fade_of(const lines *e, size_t u, double va, double vb)
+SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
 {
+    const double va = s->va[u], vb = s->vb[u];
     const bool ends = vb < HUGE_VAL;
     double wa = sqrt(1 + va * va), wb = ends ? sqrt(1 + vb * vb) : 1, sa = 1 + va, sb = ends ? 1 + vb : 1,
-           round = 6.06 * (double)(e->n + 1) * SGT_U * e->B[u];
-    return (fade){1.01 * e->E[u] * along_power(wa, e->n), wb / wa, 1.01 * round * along_power(sa, e->n), sb / sa};
+           round = 6.06 * (double)(e->n + 1) * SGT_U * s->B[u];
+    return (fade){1.01 * s->E[u] * along_power(wa, e->n), wb / wa, 1.01 * round * along_power(sa, e->n), sb / sa};
 }
 
 SGT_KERNEL
 static void bernstein(const lines *e, stretches *s)
 {
     const size_t n = e->n;
-    lane_row h, k, rest, part;
-    EACH {
+    look_row h, k, rest, part;
+    EACH_LOOK {
         double va = s->va[u], vb = s->vb[u];
         mask ends = MASK(vb < HUGE_VAL);
         h[u] = chosen(ends, 1, 0), k[u] = chosen(ends, vb, 1);
@@ -315,15 +327,15 @@ static void bernstein(const lines *e, stretches *s)
     for (size_t i = 0; i <= n; i++) {
         double *a = s->p[n - i];
         const double *b = e->b[i];
-        if (i % 2) EACH a[u] = s->side[u] * b[u];
-        else EACH a[u] = b[u];
+        for (size_t u = 0; u < ABREAST; u++) a[u] = b[s->ray[u]];
+        if (i % 2) EACH_LOOK a[u] *= s->side[u];
     }
     for (size_t r = n; r > 0; r--)
         for (size_t i = 0; i < r; i++)
-            EACH s->p[i][u] = sgt_fma(k[u], s->p[i][u], h[u] * s->p[i + 1][u]);
+            EACH_LOOK s->p[i][u] = sgt_fma(k[u], s->p[i][u], h[u] * s->p[i + 1][u]);
     for (size_t r = n; r > 0; r--)
         for (size_t i = n; i > n - r; i--)
-            EACH s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
+            EACH_LOOK s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
 }
 
 /* The base at side * v: bounds on it, and on its slope by v; `sharp` if the latter is bounded. */
@@ -345,8 +357,8 @@ SGT_KERNEL
 static void rest_over(const lines *e, stretches *s)
 {
     const double c = e->c, k1 = e->k1;
-    EACH {
-        double x = e->x[u], y = e->y[u], l = e->l[u], m = e->m[u], g = e->g[u], z = e->z[u],
+    EACH_LOOK {
+        double x = s->x[u], y = s->y[u], l = s->l[u], m = s->m[u], g = s->g[u], z = s->z[u],
                a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], za = z + g * a, zb = z + g * b,
                off = 0x1p-40 * (fabs(z) + fabs(g) * s->vb[u]);
         base_along sa = base_at_v(c, k1, x, y, l, m, a), sb = base_at_v(c, k1, x, y, l, m, b),
@@ -372,20 +384,20 @@ static void ranges(const lines *e, stretches *s)
 {
     const size_t n = e->n;
     const double step = 1 / (double)n;
-    lane_row first, by, second, more, least, most, least_d, most_d, was, was_off, a, b, da, db, at_a;
-    for (size_t u = 0; u < WIDE; u++) {
-        fade w = fade_of(e, u, s->va[u], s->vb[u]);
+    look_row first, by, second, more, least, most, least_d, most_d, was, was_off, a, b, da, db, at_a;
+    for (size_t u = 0; u < ABREAST; u++) {
+        fade w = fade_of(e, s, u);
         first[u] = w.first, by[u] = w.by, second[u] = w.second, more[u] = w.more;
         at_a[u] = w.first + w.second;
     }
-    EACH {
+    EACH_LOOK {
         least[u] = most[u] = least_d[u] = most_d[u] = -HUGE_VAL, was[u] = s->p[n][u], was_off[u] = 0;
         a[u] = s->low_a[u], da[u] = (s->low_b[u] - s->low_a[u]) * step, b[u] = s->high_a[u],
         db[u] = (s->high_b[u] - s->high_a[u]) * step;
     }
     for (size_t i = 0; i <= n; i++) {
         const double at = (double)i, *p = s->p[n - i], not_yet = i ? 0 : HUGE_VAL;
-        EACH {
+        EACH_LOOK {
             double err = first[u] + second[u], low = p[u] - (a[u] + da[u] * at) + err,
                    high = (b[u] + db[u] * at) - p[u] + err, d = s->side[u] * (p[u] - was[u]),
                    off = err + was_off[u] + SGT_U * (fabs(p[u]) + fabs(was[u])) - not_yet;
@@ -395,7 +407,7 @@ static void ranges(const lines *e, stretches *s)
             was[u] = p[u], was_off[u] = err, first[u] *= by[u], second[u] *= more[u];
         }
     }
-    EACH {
+    EACH_LOOK {
         double all = fabs(s->low_a[u]) + fabs(s->low_b[u]) + fabs(s->high_a[u]) + fabs(s->high_b[u]), off = 0x1p-48 * all,
                width = s->vb[u] - s->va[u], scale = (double)n / width;
         double ends = was_off[u], begins = at_a[u] + off;
@@ -414,16 +426,16 @@ static void ranges(const lines *e, stretches *s)
 /* The range of F over a stretch without an end: the coefficients of z, and of c r^2, beside those of P. */
 static void range_to_infinity(const lines *e, stretches *s, size_t u)
 {
-    const double n = (double)e->n, va = s->va[u], side = s->side[u], a = side * va, l = e->l[u], m = e->m[u],
-                 x = e->x[u] + a * l, y = e->y[u] + a * m, W2 = l * l + m * m,
-                 z[3] = {e->z[u] + e->g[u] * a, side * e->g[u] / n, 0},
-                 base[3] = {e->c * (x * x + y * y), e->c * 2 * (W2 * va + fabs(e->x[u] * l + e->y[u] * m)) / n,
+    const double n = (double)e->n, va = s->va[u], side = s->side[u], a = side * va, l = s->l[u], m = s->m[u],
+                 x = s->x[u] + a * l, y = s->y[u] + a * m, W2 = l * l + m * m,
+                 z[3] = {s->z[u] + s->g[u] * a, side * s->g[u] / n, 0},
+                 base[3] = {e->c * (x * x + y * y), e->c * 2 * (W2 * va + fabs(s->x[u] * l + s->y[u] * m)) / n,
                             e->c * 2 * W2 / (n * (n - 1))};
     double least = HUGE_VAL, most = -HUGE_VAL, all = 0;
-    fade w = fade_of(e, u, va, HUGE_VAL);
+    fade w = fade_of(e, s, u);
     for (size_t i = 0; i <= e->n; i++, w.first *= w.by, w.second *= w.more) {
         double at = i < 3 ? z[i] : 0, more = i < 3 ? base[i] * (1 + 0x1p-20) : 0, p = s->p[e->n - i][u],
-               terms = i == 0 ? fabs(e->z[u]) + fabs(e->g[u] * a) : fabs(at),
+               terms = i == 0 ? fabs(s->z[u]) + fabs(s->g[u] * a) : fabs(at),
                off = w.first + w.second + 0x1p-40 * terms + 0x1p-48 * (fabs(more) + fabs(p));
         double low = at - larger(more, 0) - p - off, high = at + larger(-more, 0) - p + off;
         least = low < least ? low : least, most = larger(most, high), all += fabs(low) + fabs(high);
@@ -438,7 +450,7 @@ static void look_over(const lines *e, stretches *s)
     bernstein(e, s);
     rest_over(e, s);
     ranges(e, s);
-    for (size_t u = 0; u < WIDE; u++)
+    for (size_t u = 0; u < ABREAST; u++)
         if (!(s->vb[u] < HUGE_VAL)) range_to_infinity(e, s, u);
 }
 
@@ -496,18 +508,20 @@ static double root_between(const lines *e, size_t u, double a, double b)
  * wait, the nearest last.  In the end a stretch [from, until] that has a root, and where p has it. */
 typedef struct walker {
     bool done;
-    int trials, waiting, rooms;
-    double begin, at, to, probe, from, until, root;
+    int trials, waiting, rooms, guesses;
+    double begin, at, to, probe, from, until, root; /* root: also one that is guessed */
     double pending[ALONG_DEEP];
 } walker;
 
+/* Half the length of a stretch in which the slope is nearly what it is at its middle. */
+static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
+
 /* Sets the stretch that is looked at next. */
-static void aim(walker *w, size_t u, const lines *e, stretches *s)
+static void aim(const walker *w, size_t u, const lines *e, stretches *s)
 {
     double one = w->at, other = w->probe;
-    if (w->done) one = 0, other = 1;
-    else if (w->rooms) {
-        double room = (1 + fabs(w->root)) / (8 * (double)e->n);
+    if (w->rooms) {
+        double room = room_about(e, w->root);
         for (int k = 1; k < w->rooms; k++) room *= 0.25;
         one = larger(w->root - room, w->from), other = w->root + room < w->until ? w->root + room : w->until;
     }
@@ -515,11 +529,19 @@ static void aim(walker *w, size_t u, const lines *e, stretches *s)
     s->side[u] = negative ? -1 : 1, s->va[u] = negative ? -other : one, s->vb[u] = negative ? -one : other;
 }
 
+/* The ray of lane u from now on. */
+static void take_ray(const lines *e, size_t ray, stretches *s, size_t u)
+{
+    s->ray[u] = ray, s->x[u] = e->x[ray], s->y[u] = e->y[ray], s->l[u] = e->l[ray], s->m[u] = e->m[ray];
+    s->z[u] = e->z[ray], s->g[u] = e->g[ray], s->E[u] = e->E[ray], s->B[u] = e->B[ray];
+}
+
 static void tell_trial(const vicinity *v, const lines *e, const stretches *s, size_t u)
 {
-    double a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], one = e->t0[u] + (a < b ? a : b) * e->by[u],
-           other = e->t0[u] + (a < b ? b : a) * e->by[u], by = 1 / (e->by[u] * e->scale[u]);
-    tell_cell(v->told, SGT_MARCH, one * e->scale[u], other * e->scale[u],
+    const size_t k = s->ray[u];
+    double a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], one = e->t0[k] + (a < b ? a : b) * e->by[k],
+           other = e->t0[k] + (a < b ? b : a) * e->by[k], by = 1 / (e->by[k] * e->scale[k]);
+    tell_cell(v->told, SGT_MARCH, one * e->scale[k], other * e->scale[k],
               sgt_interval_between(s->f_lo[u], s->f_hi[u]), sgt_interval_between(s->lo[u] * by, s->hi[u] * by));
 }
 
@@ -527,7 +549,7 @@ static void tell_trial(const vicinity *v, const lines *e, const stretches *s, si
 static bool tell_stretch(const lines *e, const stretches *s, size_t u, double root, const vicinity *v, size_t i)
 {
     double least = s->lo[u] > 0 ? s->lo[u] : -s->hi[u], a = s->side[u] > 0 ? s->va[u] : -s->vb[u],
-           b = s->side[u] > 0 ? s->vb[u] : -s->va[u], by = e->by[u], t0 = e->t0[u], scale = e->scale[u];
+           b = s->side[u] > 0 ? s->vb[u] : -s->va[u], by = e->by[s->ray[u]], t0 = e->t0[s->ray[u]], scale = e->scale[s->ray[u]];
     if (!(least > 0 && least < HUGE_VAL)) return false;
     double inside = 0x1p-10 * (b - a), lo = t0 + (a + inside) * by, hi = t0 + (b - inside) * by,
            lost = 0x1p-44 * (fabs(t0) + fabs(a * by) + fabs(b * by) + by);
@@ -536,6 +558,18 @@ static bool tell_stretch(const lines *e, const stretches *s, size_t u, double ro
     if (!(v->seed[i] > v->lo[i] && v->seed[i] < v->hi[i])) v->seed[i] = 0.5 * (v->lo[i] + v->hi[i]);
     v->least[i] = least / by * (1 - 0x1p-20), v->asked[i] = 0;
     return true;
+}
+
+/* Guesses where the root is that the last stretch has, as F has unlike signs at its ends: the next stretch ends
+ * before it, or else behind it. */
+static void guess(walker *w, const lines *e, const stretches *s, size_t u)
+{
+    w->root = root_between(e, s->ray[u], w->at, w->probe);
+    double room = room_about(e, w->root);
+    w->guesses++;
+    if (w->root - room > w->at && w->root - room < w->probe) w->probe = w->root - room;
+    else if (w->root + room > w->at && w->root + room < w->probe) w->probe = w->root + room;
+    else w->probe = 0.5 * (w->at + w->probe);
 }
 
 /* What the last look says: the walker goes on, or is done. */
@@ -549,24 +583,31 @@ static along_says step(walker *w, const lines *e, const stretches *s, size_t u, 
     }
     if (is_clear(s, u)) {
         w->at = w->probe;
-        if (w->waiting) w->waiting--;
+        while (w->waiting && w->pending[w->waiting - 1] <= w->at) w->waiting--;
         if (!(w->at < w->to)) return w->done = true, ALONG_MISS;
         w->probe = w->waiting ? w->pending[w->waiting - 1] : w->at < 0 && w->to > 0 ? 0 : w->to;
+        double behind = w->root + room_about(e, w->root);
+        if (w->guesses && w->at < w->root && behind < w->probe) w->probe = behind;
         return ALONG_CLEAR;
     }
-    double va = s->va[u], vb = s->vb[u], mid = half_way(va, vb);
     if (has_root(s, u)) {
+        bool known = w->guesses && w->root > w->at && w->root < w->probe;
         w->from = w->at, w->until = w->probe, w->rooms = 1;
-        w->root = root_between(e, u, w->from, w->until);
+        if (!known) w->root = root_between(e, s->ray[u], w->from, w->until);
+        bool near = w->until - w->from <= 2.5 * room_about(e, w->root);
+        if (near && tell_stretch(e, s, u, w->root, v, i)) return w->done = true, ALONG_ROOT;
         return so_far;
     }
-    if (!w->waiting || w->pending[w->waiting - 1] != w->probe) {
+    if (!w->waiting || w->pending[w->waiting - 1] > w->probe) {
         if (w->waiting == ALONG_DEEP) return w->done = true, so_far;
         w->pending[w->waiting++] = w->probe;
     }
-    w->probe = s->side[u] * mid;
+    double va = s->va[u], vb = s->vb[u], mid = half_way(va, vb);
+    bool unlike = (s->a_lo[u] > 0 && s->b_hi[u] < 0) || (s->a_hi[u] < 0 && s->b_lo[u] > 0);
+    if (unlike && w->guesses < ALONG_GUESSES) guess(w, e, s, u);
+    else w->probe = s->side[u] * mid;
     bool spent = ++w->trials == ALONG_TRIALS || v->evals[i] >= 0.5 * v->budget;
-    w->done = spent || !(vb - va > 0x1p-16 * (1 + va)) || !(mid > va && mid < vb);
+    w->done = spent || !(vb - va > 0x1p-16 * (1 + va)) || !(w->probe > w->at);
     return so_far;
 }
 
@@ -652,20 +693,26 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
         e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0], e.g[u] = e.g[0];
         walk[u].done = true, rounding[u] = rounding[0];
     }
-    ask_along(s, !course.even, rounding, &e);
+    ask_along(s, !course.even, some, rounding, &e);
     for (size_t u = 0; u < some; u++) walk[u].done = !(e.E[u] < 0x1p900 && e.B[u] < 0x1p900);
-    for (;;) {
+    for (size_t u = 0; u < ABREAST; u++) take_ray(&e, u < some ? u : 0, &at, u);
+    for (size_t next = ABREAST;;) {
         size_t left = 0;
-        for (size_t u = 0; u < WIDE; u++) left += !walk[u].done, aim(&walk[u], u, &e, &at);
+        for (size_t u = 0; u < ABREAST; u++) {
+            while (walk[at.ray[u]].done && next < some) take_ray(&e, next++, &at, u);
+            left += u < some && !walk[at.ray[u]].done;
+            aim(&walk[at.ray[u]], u, &e, &at);
+        }
         if (left == 0) break;
         look_over(&e, &at);
-        for (size_t u = 0; u < some; u++) {
-            if (walk[u].done) continue;
-            size_t j = of[u], i = row[j];
+        for (size_t u = 0; u < ABREAST && u < some; u++) {
+            walker *w = &walk[at.ray[u]];
+            if (w->done) continue;
+            size_t j = of[at.ray[u]], i = row[j];
             v->evals[i] += 1;
             if (v->told) tell_trial(v, &e, &at, u);
-            said[j] = step(&walk[u], &e, &at, u, v, i);
-            if (v->told && v->told->stopped) walk[u].done = true;
+            said[j] = step(w, &e, &at, u, v, i);
+            if (v->told && v->told->stopped) w->done = true;
         }
     }
     for (size_t u = 0; u < some; u++) {
