@@ -255,6 +255,36 @@ static void scale_by_binomial(lines *e)
     }
 }
 
+/* Adds to the greatest weighted gradient, times r / W, at this node. */
+static void gradients(const nodes *at, size_t node, size_t count, const double *px, const double *py, double *most)
+{
+    const double by = at->weight[node] * sqrt(1 + at->v2[node]);
+    for (size_t u = 0; u < count; u++) {
+        double here = by * (fabs(px[u]) + fabs(py[u]));
+        if (!(here <= most[u])) most[u] = here;
+    }
+}
+
+/* The greatest weighted noise along each line by itself.  A node where r is not much greater than before is
+ * taken to be as far as the next that is asked for. */
+static void noise_along(const departure *of, const void *self, const nodes *at, const lines *e, lane_row most)
+{
+    const double room = 1 + 1 / (double)(2 * e->half);
+    EACH most[u] = 0;
+    for (size_t j = 0, next; j < e->half; j = next) {
+        lane_row x, y, noise;
+        const double least = 1 + at->v2[j];
+        for (next = j + 1; next < e->half && 1 + at->v2[next] < least * room * room; next++) {}
+        const double v = at->v[next - 1] * (1 + 0x1p-40), weight = at->weight[j];
+        EACH x[u] = fabs(e->x[u]) + v * fabs(e->l[u]), y[u] = fabs(e->y[u]) + v * fabs(e->m[u]);
+        of->along_noise(self, x, y, noise);
+        EACH {
+            double here = weight * noise[u];
+            most[u] = chosen(MASK(here <= most[u]), most[u], here);
+        }
+    }
+}
+
 /* P along the lines. */
 SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const lane_row rounding, lines *e)
 {
@@ -262,8 +292,9 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
     const departure *of = s.ops->own_->departure;
     const size_t half = e->half;
     nodes at;
-    lane_row value[ALONG_MOST], off;
+    lane_row value[ALONG_MOST], off, turned;
     nodes_of(half, &at);
+    EACH turned[u] = 0;
     for (size_t i = 0, few; i < (both ? 2 * half : half); i += few) {
         double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK],
             py[DEPARTURE_BLOCK];
@@ -277,6 +308,8 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
         of->at(s.self, few * count, x, y, (sag_values){p, px, py});
         for (size_t j = 0; j < few; j++)
             for (size_t u = 0; u < WIDE; u++) value[i + j][u] = p[j * count + (u < count ? u : 0)];
+        if (of->along_noise)
+            for (size_t j = 0; j < few; j++) gradients(&at, (i + j) % half, count, px + j * count, py + j * count, turned);
     }
     if (!both) memcpy(value + half, value, half * sizeof *value);
     double q[ALONG_HALF][ALONG_HALF];
@@ -284,7 +317,12 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
     interpolate(&at, q, value, e);
     scale_by_binomial(e);
     misses_by(&at, value, e, off);
-    EACH e->E[u] = SPREAD * (1 + 0x1p-40) * (off[u] + rounding[u]);
+    if (of->along_noise) {
+        lane_row noise;
+        noise_along(of, s.self, &at, e, noise);
+        EACH off[u] += noise[u] + 0x1.1p-46 * e->W[u] * turned[u] + 0x1p-24 * rounding[u];
+    } else EACH off[u] += rounding[u];
+    EACH e->E[u] = SPREAD * (1 + 0x1p-40) * off[u];
 }
 
 /* -------------------------------------------------------------------------- stretches */
@@ -497,7 +535,7 @@ static double root_between(const lines *e, size_t u, double a, double b)
         if (signbit(f) == signbit(fb)) fa *= 0.5;
         else a = b, fa = fb;
         b = v, fb = f;
-        if (fabs(v - was) <= 0x1p-10 * (1 + fabs(v)) / (double)e->n) break;
+        if (fabs(v - was) <= 0x1p-8 * (1 + fabs(v)) / (double)e->n) break;
     }
     return v;
 }
@@ -690,7 +728,7 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
     }
     if (some == 0) return;
     for (size_t u = some; u < WIDE; u++) { /* as the first */
-        e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0], e.g[u] = e.g[0];
+        e.W[u] = e.W[0], e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0], e.g[u] = e.g[0];
         walk[u].done = true, rounding[u] = rounding[0];
     }
     ask_along(s, !course.even, some, rounding, &e);

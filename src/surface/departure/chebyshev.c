@@ -477,6 +477,55 @@ static double chebyshev_along_off(const void *self, double radius)
     return chebyshev_known(off * (1 + 0x1p-20));
 }
 
+enum { ALONG_TERMS = 40, ALONG_POINTS = 8 };
+
+/* The noise at points with |x| and |y| at most these.  All that chebyshev_noise_in_box takes for [-1, 1] is at
+ * most its value at 1, from where on it increases.  Of degrees below ALONG_TERMS. */
+SGT_KERNEL
+static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, const double *restrict y,
+                            double *restrict out)
+{
+    double t[ALONG_TERMS][ALONG_POINTS], off[ALONG_TERMS][ALONG_POINTS], v[ALONG_POINTS], w[ALONG_POINTS],
+        now[ALONG_POINTS], u[ALONG_POINTS], p[ALONG_POINTS];
+    const double sums = chebyshev_sums_of(s), k = 5.4143;
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+        v[i] = larger(y[i] / s->norm_y, 1) * (1 + 0x1p-50), w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+        p[i] = 0;
+    }
+    for (size_t j = 0; j < s->a.columns; j++) {
+        const double degree = (double)j;
+        LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+            double one = now[i], slope = u[i];
+            t[j][i] = one, off[j][i] = degree * (k * one + v[i] * slope);
+            now[i] = v[i] * one - w[i] * slope, u[i] = v[i] * slope + one;
+        }
+    }
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+        v[i] = larger(x[i] / s->norm_x, 1) * (1 + 0x1p-50), w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+    }
+    for (size_t i = 0; i < s->a.rows; i++) {
+        const double degree = (double)i, *a = s->a.x + i * s->a.columns;
+        double size[ALONG_POINTS], more[ALONG_POINTS];
+        LANES for (size_t l = 0; l < ALONG_POINTS; l++) size[l] = more[l] = 0;
+        for (size_t j = 0; j < s->a.columns; j++) {
+            const double c = fabs(a[j]);
+            LANES for (size_t l = 0; l < ALONG_POINTS; l++)
+                size[l] = sgt_fma(c, t[j][l], size[l]), more[l] = sgt_fma(c, off[j][l], more[l]);
+        }
+        LANES for (size_t l = 0; l < ALONG_POINTS; l++) {
+            double one = now[l], slope = u[l], own = degree * (k * one + v[l] * slope) + sums * one;
+            p[l] += own * size[l] + one * more[l];
+            now[l] = v[l] * one - w[l] * slope, u[l] = v[l] * slope + one;
+        }
+    }
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) out[i] = p[i] * SGT_U * (1 + 0x1p-20);
+}
+
+static void chebyshev_along_noise(const void *self, const double *x, const double *y, double *out)
+{
+    noise_at_points(self, x, y, out);
+}
+
 static bool chebyshev_along(const void *self, sgt_course *out)
 {
     const sgt_chebyshev *s = self;
@@ -490,6 +539,7 @@ static const departure chebyshev_departure = {
     .second = chebyshev_second, .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter,
     .object = chebyshev_object, .noise = chebyshev_noise,
     .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along,
-    .along = chebyshev_along, .along_off = chebyshev_along_off};
+    .along = chebyshev_along, .along_off = chebyshev_along_off,
+    .along_noise = chebyshev_along_noise};
 
 DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)

@@ -140,6 +140,10 @@ typedef struct departure {
      * `noise` and `bounds` are asked. */
     double (*along_off)(const void *self, double radius);
 
+    /* With `along`, if P is much less in some directions than in others: at most the noise where |x| and |y| are
+     * at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is not. */
+    void (*along_noise)(const void *self, const double x[], const double y[], double out[]);
+
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 } departure;
