@@ -37,7 +37,8 @@
  *     (1, vb) = (1, 0) + vb (0, 1),    (1, va) = (1 - va / vb) (1, 0) + (va / vb) (1, vb).
  *
  * A row of the two rounds an entry by at most 1 and 4 u of what the triangle makes of the magnitudes, and there
- * are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i.  Where vb is infinite, (0, 1)
+ * are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i, and at most the sum of
+ * |c_k| vb^k, which is asked of many terms.  Where vb is infinite, (0, 1)
  * stays as it is, and its weight is 1.
  *
  * THE BASE along a line is convex if c > 0 (F.  its second derivative lies between c and c / phi^3), concave
@@ -63,8 +64,8 @@
 
 /* At least half of the greatest number of nodes; rays at a time; stretches of one ray; those that wait. */
 enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, WIDE = ALONG_ROWS, ALONG_TRIALS = 48, ALONG_DEEP = 16,
-       ALONG_SEEKS = 12, ALONG_ROOMS = 4,
-       ALONG_GUESSES = 3 };
+       ALONG_SEEKS = 40, ALONG_ROOMS = 4,
+       ALONG_GUESSES = 3, ALONG_FEW = 20 /* fewer terms round by little */ };
 static const double SPREAD = 4;
 
 typedef double lane_row[WIDE];
@@ -376,6 +377,21 @@ static void bernstein(const lines *e, stretches *s)
             EACH_LOOK s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
 }
 
+/* The most that rounding does to a coefficient: 6 (n + 1) u of the sum of |c_k| vb^k. */
+SGT_KERNEL
+static void rounding_caps(const lines *e, const stretches *s, look_row cap)
+{
+    const double most = 6.13 * (double)(e->n + 1) * SGT_U;
+    EACH_LOOK cap[u] = 0;
+    for (size_t k = e->n + 1; k-- > 0;) {
+        const double *p = e->p[k];
+        look_row size;
+        for (size_t u = 0; u < ABREAST; u++) size[u] = fabs(p[s->ray[u]]);
+        EACH_LOOK cap[u] = sgt_fma(cap[u], s->vb[u], size[u]);
+    }
+    EACH_LOOK cap[u] = chosen(MASK(s->vb[u] < HUGE_VAL), cap[u] * most, HUGE_VAL);
+}
+
 /* The base at side * v: bounds on it, and on its slope by v; `sharp` if the latter is bounded. */
 typedef struct base_along { double lo, hi, slope, off; mask sharp; } base_along;
 
@@ -422,11 +438,13 @@ static void ranges(const lines *e, stretches *s)
 {
     const size_t n = e->n;
     const double step = 1 / (double)n;
-    look_row first, by, second, more, least, most, least_d, most_d, was, was_off, a, b, da, db, at_a;
+    look_row first, by, second, more, least, most, least_d, most_d, was, was_off, a, b, da, db, at_a, cap;
+    EACH_LOOK cap[u] = HUGE_VAL;
+    if (n > ALONG_FEW) rounding_caps(e, s, cap);
     for (size_t u = 0; u < ABREAST; u++) {
         fade w = fade_of(e, s, u);
         first[u] = w.first, by[u] = w.by, second[u] = w.second, more[u] = w.more;
-        at_a[u] = w.first + w.second;
+        at_a[u] = w.first + (w.second < cap[u] ? w.second : cap[u]);
     }
     EACH_LOOK {
         least[u] = most[u] = least_d[u] = most_d[u] = -HUGE_VAL, was[u] = s->p[n][u], was_off[u] = 0;
@@ -436,7 +454,7 @@ static void ranges(const lines *e, stretches *s)
     for (size_t i = 0; i <= n; i++) {
         const double at = (double)i, *p = s->p[n - i], not_yet = i ? 0 : HUGE_VAL;
         EACH_LOOK {
-            double err = first[u] + second[u], low = p[u] - (a[u] + da[u] * at) + err,
+            double err = first[u] + (second[u] < cap[u] ? second[u] : cap[u]), low = p[u] - (a[u] + da[u] * at) + err,
                    high = (b[u] + db[u] * at) - p[u] + err, d = s->side[u] * (p[u] - was[u]),
                    off = err + was_off[u] + SGT_U * (fabs(p[u]) + fabs(was[u])) - not_yet;
             double d_low = d + off, d_high = off - d;
@@ -522,22 +540,32 @@ static double value_along(const lines *e, size_t u, double v)
     return e->z[u] + e->g[u] * v - 0.5 * (s.lo + s.hi) - p;
 }
 
-/* Where p has the root between, within a part of `room`: regula falsi, with the end that stays halved
- * (Illinois). */
+/* Half the length of a stretch in which the slope is nearly what it is at its middle. */
+static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
+
+/* Where p has the root between, within a quarter of its room: regula falsi with the end that stays halved
+ * (Illinois), and bisection where that does not halve the bracket in two steps. */
 static double root_between(const lines *e, size_t u, double a, double b)
 {
-    double fa = value_along(e, u, a), fb = value_along(e, u, b), v = 0.5 * (a + b);
-    for (int i = 0; i < ALONG_SEEKS; i++) {
-        double was = v;
+    double fa = value_along(e, u, a), fb = value_along(e, u, b), v = 0.5 * (a + b), width = fabs(b - a);
+    for (int i = 0; i < ALONG_SEEKS && width > 0.25 * room_about(e, v); i++) {
         v = b - fb * ((b - a) / (fb - fa));
+        if (i % 3 == 2 && fabs(b - a) > 0.5 * width) v = 0.5 * (a + b);
+        if (i % 3 == 2) width = fabs(b - a);
         if (!(fabs(v - 0.5 * (a + b)) < 0.5 * fabs(b - a))) v = 0.5 * (a + b);
         double f = value_along(e, u, v);
         if (signbit(f) == signbit(fb)) fa *= 0.5;
         else a = b, fa = fb;
         b = v, fb = f;
-        if (fabs(v - was) <= 0x1p-8 * (1 + fabs(v)) / (double)e->n) break;
+        /* a step on either side of the root */
+        double beyond = v + copysign(0.125 * room_about(e, v), a - v);
+        if (fabs(beyond - v) < fabs(a - v) && fabs(f) < HUGE_VAL) {
+            double g = value_along(e, u, beyond);
+            if (signbit(g) != signbit(f)) return v - f * ((beyond - v) / (g - f));
+            b = beyond, fb = g;
+        } else break;
     }
-    return v;
+    return b - fb * ((b - a) / (fb - fa));
 }
 
 /* ------------------------------------------------------------------------------ the way */
@@ -550,9 +578,6 @@ typedef struct walker {
     double begin, at, to, probe, from, until, root; /* root: also one that is guessed */
     double pending[ALONG_DEEP];
 } walker;
-
-/* Half the length of a stretch in which the slope is nearly what it is at its middle. */
-static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
 
 /* Sets the stretch that is looked at next. */
 static void aim(const walker *w, size_t u, const lines *e, stretches *s)
