@@ -1,60 +1,64 @@
 // SPDX-License-Identifier: MIT
 /* along.c - a departure P(x, y) of a polynomial, along a ray without a rim (along.h).
  *
- * Along a ray P is a polynomial of one variable, whose degree n the type knows.  So some n + 1 values of P say
- * everything about it, all the way to where the base ends or beyond all bounds.  What is left is a question
- * about one polynomial, which takes no further look.
+ * Along a ray P is a polynomial of one variable, whose degree n the type knows.  So some n + 1 values of P
+ * say everything about it, all the way to where the base ends or beyond all bounds.  What is left is a
+ * question about one polynomial, which takes no further look.
  *
- * THE LINE.  Let x and y be w (l, m) / sqrt(l^2 + m^2) from the point nearest the axis, z = z0 + g w, w = W v.
- * W is at least 1.02 times the ray's distance from the axis, so that r <= W sqrt(1 + v^2).
+ * THE LINE.  Let x and y be w (l, m) / sqrt(l^2 + m^2) from the point nearest the axis, z = z0 + g w, w = W
+ * v. W is at least 1.02 times the ray's distance from the axis, so that r <= W sqrt(1 + v^2).
  *
- * THE PROJECTIVE LINE.  (1 + v^2)^(-n/2) P is the value at a unit vector (h, k), v = k / h, of a homogeneous
- * polynomial of degree n.  By `size` the greatest such value is meant.  With v = tan phi it is a sum of the
- * cosines and sines of n phi, (n - 2) phi, ...  So n is made odd, N = n + 1 = 2 m, and P is asked for at the N
- * nodes v = +-tan((j + 1/2) pi / N), which are evenly spaced in phi.
+ * THE PROJECTIVE LINE.  (1 + v^2)^(-n/2) P is the value at a unit vector (h, k), v = k / h, of a
+ * homogeneous polynomial of degree n.  By `size` the greatest such value is meant.  With v = tan phi it is
+ * a sum of the cosines and sines of n phi, (n - 2) phi, ...  So n is made odd, N = n + 1 = 2 m, and P is
+ * asked for at the N nodes v = +-tan((j + 1/2) pi / N), which are evenly spaced in phi.
  *
- * THE COEFFICIENTS p(v) = sum of c_k v^k interpolate these values.  Even and odd powers are apart: each is a
- * polynomial of v^2 with m nodes, by Lagrange's formula.  The product of v^2 - node is, up to its scale, the
- * real part of (1 + i v)^N, whose coefficients are binomial ones.  A factor is divided out from whichever end
- * is stable.
+ * THE COEFFICIENTS p(v) = sum of c_k v^k interpolate these values.  Even and odd powers are apart: each is
+ * a polynomial of v^2 with m nodes, by Lagrange's formula.  The product of v^2 - node is, up to its scale,
+ * the real part of (1 + i v)^N, whose coefficients are binomial ones.  A factor is divided out from
+ * whichever end is stable.
  *
- * HOW FAR p IS OFF is not derived from how it was made.  p - P is a polynomial of degree n, of which a bound
- * at each node is computed: |p - P| there as computed, with the rounding of both.  The polynomial that
- * interpolates at N evenly spaced nodes of the circle is nowhere greater than 1 + (2 / pi) log N times what it
- * interpolates (Gronwall 1921; Rivlin, The Chebyshev Polynomials, 1974): at most 3.4 here; SPREAD is above
- * that.  That gives the size E of p - P.
+ * HOW FAR p IS OFF is not derived from how it was made.  p - P is a polynomial of degree n, of which a
+ * bound at each node is computed: |p - P| there as computed, with the rounding of both.  The polynomial
+ * that interpolates at N evenly spaced nodes of the circle is nowhere greater than 1 + (2 / pi) log N times
+ * what it interpolates (Gronwall 1921; Rivlin, The Chebyshev Polynomials, 1974): at most 3.4 here; SPREAD
+ * is above that.  That gives the size E of p - P.
  *
  * THE ROUNDING OF P at a node at r: its noise within r, and its gradient within r times how far the point
- * asked for is from the node.  Both are those of the whole circle of that radius, so one number holds for all
- * rays that have the same W.
+ * asked for is from the node.  Both are those of the whole circle of that radius, so one number holds for
+ * all rays that have the same W.  Terms that differ much between directions have a noise of their own along
+ * each line (departure.h).  There the gradient is that at the nodes, and 2^-24 of the circle's, which is more
+ * than it may differ in 128 u of r: a polynomial of degree n has at most n^(3/2) times its size per r, next
+ * to the edge of the circle.
  *
  * BERNSTEIN'S FORM over [va, vb]: coefficient i is the polar form of p with n - i arguments (1, va) and i
- * arguments (1, vb), so P is a mean of them.  For unit vectors the polar form of a homogeneous polynomial is
- * at most its size (Banach 1938, Studia Math. 7, 36).  So p - P changes coefficient i by at most
- * E (1 + va^2)^((n - i)/2) (1 + vb^2)^(i/2).  In this form the step from [0, infinity), where the coefficients
- * are b_k = c_k over the binomial coefficient, to [va, vb] is two triangles of sums:
+ * arguments (1, vb), so P is a mean of them.  For unit vectors the polar form of a homogeneous polynomial
+ * is at most its size (Banach 1938, Studia Math. 7, 36).  So p - P changes coefficient i by at most E (1 +
+ * va^2)^((n - i)/2) (1 + vb^2)^(i/2).  In this form the step from [0, infinity), where the coefficients are
+ * b_k = c_k over the binomial coefficient, to [va, vb] is two triangles of sums:
  *
  *     (1, vb) = (1, 0) + vb (0, 1),    (1, va) = (1 - va / vb) (1, 0) + (va / vb) (1, vb).
  *
- * A row of the two rounds an entry by at most 1 and 4 u of what the triangle makes of the magnitudes, and there
- * are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i, and at most the sum of
- * |c_k| vb^k, which is asked of many terms.  Where vb is infinite, (0, 1)
- * stays as it is, and its weight is 1.
+ * A row of the two rounds an entry by at most 1 and 4 u of what the triangle makes of the magnitudes, and
+ * there are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i, and at most
+ * the sum of |c_k| vb^k, which is asked of many terms.  Where vb is infinite, (0, 1) stays as it is, and
+ * its weight is 1.
  *
- * THE BASE along a line is convex if c > 0 (F.  its second derivative lies between c and c / phi^3), concave
- * if c < 0.  So it is on one side of its chord, and on the other side of its tangent in the middle.  Both are
- * linear, as z is.  Over a stretch without an end it is between 0 and c r^2.  What z and the base are rounded
- * by is less than 2^-40 of their terms, or where the base ends 2^-20; so much is added.
+ * THE BASE along a line is convex if c > 0 (its second derivative lies between c and c / phi^3),
+ * concave if c < 0.  So it is on one side of its chord, and on the other side of its tangent in the middle.
+ * Both are linear, as z is.  Over a stretch without an end it is between 0 and c r^2.  What z and the base
+ * are rounded by is less than 2^-40 of their terms, or where the base ends 2^-20; so much is added.
  *
  * CLEAR.  If all coefficients of z - base - P have the same sign, with all that is added, F has it all over
  * [va, vb].  If those of its derivative have, there is one root at most, and F at the ends tells whether.
- * Else the over is halved, in phi, and its nearer half is asked first.
+ * Else the stretch is halved, in phi, and its nearer half is asked first.  If F has unlike signs at its ends,
+ * it is cut next to where p has a root instead.
  *
- * THE ROOT is looked for on p, and what is reported is a short stretch about it, well inside of that in which F
- * is monotone.  (Newton's steps may end at no other root than the only one.)
+ * THE ROOT is looked for on p, and what is reported is a short stretch about it, well inside of that in
+ * which F is monotone.  (Newton's steps may end at no other root than the only one.)
  *
- * COST.  N values of P, some 2 N^2 operations for the coefficients, and N^2 for each stretch.  A stretch counts as
- * one evaluation, as an enclosure does. */
+ * COST.  N values of P, some 2 N^2 operations for the coefficients, and N^2 for each stretch.  A stretch
+ * counts as one evaluation, as an enclosure does. */
 #include "along.h"
 
 #include "../surface/departure/departure.h"
@@ -63,9 +67,17 @@
 #include <sagitta/interval.h>
 
 /* At least half of the greatest number of nodes; rays at a time; stretches of one ray; those that wait. */
-enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, WIDE = ALONG_ROWS, ALONG_TRIALS = 48, ALONG_DEEP = 16,
-       ALONG_SEEKS = 40, ALONG_ROOMS = 4,
-       ALONG_GUESSES = 3, ALONG_FEW = 20 /* fewer terms round by little */ };
+enum {
+    ALONG_HALF = 20,
+    ALONG_MOST = 2 * ALONG_HALF,
+    WIDE = ALONG_ROWS,
+    ALONG_TRIALS = 48,
+    ALONG_DEEP = 16,
+    ALONG_SEEKS = 40,
+    ALONG_ROOMS = 4,
+    ALONG_GUESSES = 3,
+    ALONG_FEW = 20 /* fewer terms round by little */
+};
 static const double SPREAD = 4;
 
 typedef double lane_row[WIDE];
@@ -78,17 +90,19 @@ typedef double look_row[ABREAST];
 
 /* The lines of some rays, each about its point nearest the axis, counted in v, and P along it. */
 typedef struct lines {
-    size_t half, n; /* nodes on either side; the degree, 2 half - 1 */
-    double c, k1;   /* the base */
-    lane_row x, y, l, m; /* dx/dv = l, dy/dv = m */
-    lane_row z, g;       /* z = z0 + g v */
-    lane_row W, t0, by, scale; /* t = (t0 + by v) scale */
-    lane_row E, B;       /* the size of p - P; the greatest |b_k| */
+    size_t half, n;                        /* nodes on either side; the degree, 2 half - 1 */
+    double c, k1;                          /* the base */
+    lane_row x, y, l, m;                   /* dx/dv = l, dy/dv = m */
+    lane_row z, g;                         /* z = z0 + g v */
+    lane_row W, t0, by, scale;             /* t = (t0 + by v) scale */
+    lane_row E, B;                         /* the size of p - P; the greatest |b_k| */
     lane_row p[ALONG_MOST], b[ALONG_MOST]; /* c_k and b_k */
 } lines;
 
 /* The nodes v > 0 and their squares, and (1 + v^2)^(-n/2); rows are filled up to a multiple of 4. */
-typedef struct nodes { double v[ALONG_HALF], v2[ALONG_HALF], weight[ALONG_HALF]; } nodes;
+typedef struct nodes {
+    double v[ALONG_HALF], v2[ALONG_HALF], weight[ALONG_HALF];
+} nodes;
 
 SGT_INLINE double along_power(double x, size_t n)
 {
@@ -111,7 +125,8 @@ static void nodes_of(size_t half, nodes *e)
     const double turn_s = 2 * s * c, turn_c = (c - s) * (c + s);
     for (size_t j = 0; j < ALONG_HALF; j++) {
         bool in = j < half;
-        e->v[j] = in ? s / c : 0, e->v2[j] = e->v[j] * e->v[j], e->weight[j] = in ? along_power(c, 2 * half - 1) : 0;
+        e->v[j] = in ? s / c : 0, e->v2[j] = e->v[j] * e->v[j],
+        e->weight[j] = in ? along_power(c, 2 * half - 1) : 0;
         double next = c * turn_c - s * turn_s;
         s = s * turn_c + c * turn_s, c = next;
     }
@@ -190,8 +205,7 @@ static void lagrange(size_t half, const nodes *e, double q[ALONG_HALF][ALONG_HAL
     for (size_t k = half; k-- > 0;)
         LANES for (size_t j = 0; j < half; j++) sum[j] = sgt_fma(e->v2[j], sum[j], q[k][j]);
     LANES for (size_t j = 0; j < half; j++) sum[j] = 1 / sum[j];
-    for (size_t k = 0; k < half; k++)
-        LANES for (size_t j = 0; j < half; j++) q[k][j] *= sum[j];
+    for (size_t k = 0; k < half; k++) LANES for (size_t j = 0; j < half; j++) q[k][j] *= sum[j];
 }
 
 /* c_k of the polynomials of these values at +v, and behind them at -v. */
@@ -223,16 +237,18 @@ static void misses_by(const nodes *at, lane_row *value, const lines *e, lane_row
     const double rounded = (double)(2 * e->n + 8) * SGT_U;
     EACH most[u] = 0;
     for (size_t j = 0; j < half; j++) {
-        const double v2 = at->v2[j], v = at->v[j], weight = at->weight[j], *one = value[j], *other = value[half + j];
+        const double v2 = at->v2[j], v = at->v[j], weight = at->weight[j], *one = value[j],
+                     *other = value[half + j];
         lane_row even, odd, size, more;
         EACH even[u] = odd[u] = size[u] = more[u] = 0;
-        for (size_t k = half; k-- > 0;)
-            EACH {
+        for (size_t k = half; k-- > 0;) EACH
+            {
                 double a = e->p[2 * k][u], b = e->p[2 * k + 1][u];
                 even[u] = sgt_fma(v2, even[u], a), odd[u] = sgt_fma(v2, odd[u], b);
                 size[u] = sgt_fma(v2, size[u], fabs(a)), more[u] = sgt_fma(v2, more[u], fabs(b));
             }
-        EACH {
+        EACH
+        {
             double o = v * odd[u], a = fabs(even[u] + o - one[u]), b = fabs(even[u] - o - other[u]),
                    off = (a > b ? a : b) + rounded * (size[u] + v * more[u]), by = off * weight;
             most[u] = chosen(MASK(by <= most[u]), most[u], by); /* NaN stays */
@@ -248,7 +264,8 @@ static void scale_by_binomial(lines *e)
     EACH e->B[u] = 0;
     for (size_t k = 0; k <= e->n; k++) {
         const double by = 1 / binomial;
-        EACH {
+        EACH
+        {
             double b = e->p[k][u] * by, size = fabs(b);
             e->b[k][u] = b, e->B[u] = chosen(MASK(size <= e->B[u]), e->B[u], size);
         }
@@ -257,7 +274,8 @@ static void scale_by_binomial(lines *e)
 }
 
 /* Adds to the greatest weighted gradient, times r / W, at this node. */
-static void gradients(const nodes *at, size_t node, size_t count, const double *px, const double *py, double *most)
+static void gradients(const nodes *at, size_t node, size_t count, const double *px, const double *py,
+                      double *most)
 {
     const double by = at->weight[node] * sqrt(1 + at->v2[node]);
     for (size_t u = 0; u < count; u++) {
@@ -275,11 +293,13 @@ static void noise_along(const departure *of, const void *self, const nodes *at, 
     for (size_t j = 0, next; j < e->half; j = next) {
         lane_row x, y, noise;
         const double least = 1 + at->v2[j];
-        for (next = j + 1; next < e->half && 1 + at->v2[next] < least * room * room; next++) {}
+        for (next = j + 1; next < e->half && 1 + at->v2[next] < least * room * room; next++) {
+        }
         const double v = at->v[next - 1] * (1 + 0x1p-40), weight = at->weight[j];
         EACH x[u] = fabs(e->x[u]) + v * fabs(e->l[u]), y[u] = fabs(e->y[u]) + v * fabs(e->m[u]);
         of->along_noise(self, x, y, noise);
-        EACH {
+        EACH
+        {
             double here = weight * noise[u];
             most[u] = chosen(MASK(here <= most[u]), most[u], here);
         }
@@ -304,13 +324,15 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
         for (size_t j = 0; j < few; j++) {
             const double v = i + j < half ? at.v[i + j] : -at.v[i + j - half];
             double *a = x + j * count, *b = y + j * count;
-            LANES for (size_t u = 0; u < count; u++) a[u] = e->x[u] + v * e->l[u], b[u] = e->y[u] + v * e->m[u];
+            LANES for (size_t u = 0; u < count; u++) a[u] = e->x[u] + v * e->l[u],
+                                                     b[u] = e->y[u] + v * e->m[u];
         }
         of->at(s.self, few * count, x, y, (sag_values){p, px, py});
         for (size_t j = 0; j < few; j++)
             for (size_t u = 0; u < WIDE; u++) value[i + j][u] = p[j * count + (u < count ? u : 0)];
         if (of->along_noise)
-            for (size_t j = 0; j < few; j++) gradients(&at, (i + j) % half, count, px + j * count, py + j * count, turned);
+            for (size_t j = 0; j < few; j++)
+                gradients(&at, (i + j) % half, count, px + j * count, py + j * count, turned);
     }
     if (!both) memcpy(value + half, value, half * sizeof *value);
     double q[ALONG_HALF][ALONG_HALF];
@@ -322,7 +344,8 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
         lane_row noise;
         noise_along(of, s.self, &at, e, noise);
         EACH off[u] += noise[u] + 0x1.1p-46 * e->W[u] * turned[u] + 0x1p-24 * rounding[u];
-    } else EACH off[u] += rounding[u];
+    } else
+        EACH off[u] += rounding[u];
     EACH e->E[u] = SPREAD * (1 + 0x1p-40) * off[u];
 }
 
@@ -336,11 +359,13 @@ typedef struct stretches {
     look_row low_a, low_b, high_a, high_b, slope_lo, slope_hi; /* z - base */
     look_row f_lo, f_hi, lo, hi;                               /* F, and its slope by v */
     look_row a_lo, a_hi, b_lo, b_hi;                           /* F at the ends */
-    look_row p[ALONG_MOST]; /* coefficient i at n - i */
+    look_row p[ALONG_MOST];                                    /* coefficient i at n - i */
 } stretches;
 
 /* How far coefficient i may be off: first * by^i + second * more^i. */
-typedef struct fade { double first, by, second, more; } fade;
+typedef struct fade {
+    double first, by, second, more;
+} fade;
 
 SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
 {
@@ -348,7 +373,8 @@ SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
     const bool ends = vb < HUGE_VAL;
     double wa = sqrt(1 + va * va), wb = ends ? sqrt(1 + vb * vb) : 1, sa = 1 + va, sb = ends ? 1 + vb : 1,
            round = 6.06 * (double)(e->n + 1) * SGT_U * s->B[u];
-    return (fade){1.01 * s->E[u] * along_power(wa, e->n), wb / wa, 1.01 * round * along_power(sa, e->n), sb / sa};
+    return (fade){1.01 * s->E[u] * along_power(wa, e->n), wb / wa, 1.01 * round * along_power(sa, e->n),
+                  sb / sa};
 }
 
 SGT_KERNEL
@@ -356,7 +382,8 @@ static void bernstein(const lines *e, stretches *s)
 {
     const size_t n = e->n;
     look_row h, k, rest, part;
-    EACH_LOOK {
+    EACH_LOOK
+    {
         double va = s->va[u], vb = s->vb[u];
         mask ends = MASK(vb < HUGE_VAL);
         h[u] = chosen(ends, 1, 0), k[u] = chosen(ends, vb, 1);
@@ -393,7 +420,10 @@ static void rounding_caps(const lines *e, const stretches *s, look_row cap)
 }
 
 /* The base at side * v: bounds on it, and on its slope by v; `sharp` if the latter is bounded. */
-typedef struct base_along { double lo, hi, slope, off; mask sharp; } base_along;
+typedef struct base_along {
+    double lo, hi, slope, off;
+    mask sharp;
+} base_along;
 
 SGT_INLINE base_along base_at_v(double c, double k1, double x0, double y0, double l, double m, double v)
 {
@@ -406,26 +436,30 @@ SGT_INLINE base_along base_at_v(double c, double k1, double x0, double y0, doubl
                         0x1p-28 * fabs(over) * (fabs(x * l) + fabs(y * m)), sharp};
 }
 
-/* Bounds on z - base at the ends of two lines, above and below it over the whole stretch, and on its slope. */
+/* Bounds on z - base at the ends of two lines, above and below it over the whole stretch, and on its slope.
+ */
 SGT_KERNEL
 static void rest_over(const lines *e, stretches *s)
 {
     const double c = e->c, k1 = e->k1;
-    EACH_LOOK {
+    EACH_LOOK
+    {
         double x = s->x[u], y = s->y[u], l = s->l[u], m = s->m[u], g = s->g[u], z = s->z[u],
                a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], za = z + g * a, zb = z + g * b,
                off = 0x1p-40 * (fabs(z) + fabs(g) * s->vb[u]);
         base_along sa = base_at_v(c, k1, x, y, l, m, a), sb = base_at_v(c, k1, x, y, l, m, b),
                    sm = base_at_v(c, k1, x, y, l, m, 0.5 * (a + b));
-        double half = 0.5 * (b - a), bent = fabs(half) * (sm.off + 0x1p-40 * fabs(sm.slope)), rise = sm.slope * half;
+        double half = 0.5 * (b - a), bent = fabs(half) * (sm.off + 0x1p-40 * fabs(sm.slope)),
+               rise = sm.slope * half;
         /* c > 0: above its tangent, or 0, below its chord; c < 0: the other way; c == 0: both are 0 */
         mask up = MASK(c > 0), there = sm.sharp & MASK(c != 0);
         double edge = chosen(up, sm.lo - bent, sm.hi + bent), ta = chosen(there, edge - rise, 0),
-               tb = chosen(there, edge + rise, 0), ca = chosen(up, sa.hi, sa.lo), cb = chosen(up, sb.hi, sb.lo);
+               tb = chosen(there, edge + rise, 0), ca = chosen(up, sa.hi, sa.lo),
+               cb = chosen(up, sb.hi, sb.lo);
         s->low_a[u] = za - chosen(up, ca, ta) - off, s->low_b[u] = zb - chosen(up, cb, tb) - off;
         s->high_a[u] = za - chosen(up, ta, ca) + off, s->high_b[u] = zb - chosen(up, tb, cb) + off;
-        double a_lo = sa.slope - sa.off, b_lo = sb.slope - sb.off, a_hi = sa.slope + sa.off, b_hi = sb.slope + sb.off,
-               lost = 0x1p-40 * fabs(g);
+        double a_lo = sa.slope - sa.off, b_lo = sb.slope - sb.off, a_hi = sa.slope + sa.off,
+               b_hi = sb.slope + sb.off, lost = 0x1p-40 * fabs(g);
         mask sharp = sa.sharp & sb.sharp;
         s->slope_lo[u] = chosen(sharp, g - larger(a_hi, b_hi) - lost, -HUGE_VAL);
         s->slope_hi[u] = chosen(sharp, g + larger(-a_lo, -b_lo) + lost, HUGE_VAL);
@@ -446,31 +480,38 @@ static void ranges(const lines *e, stretches *s)
         first[u] = w.first, by[u] = w.by, second[u] = w.second, more[u] = w.more;
         at_a[u] = w.first + (w.second < cap[u] ? w.second : cap[u]);
     }
-    EACH_LOOK {
+    EACH_LOOK
+    {
         least[u] = most[u] = least_d[u] = most_d[u] = -HUGE_VAL, was[u] = s->p[n][u], was_off[u] = 0;
         a[u] = s->low_a[u], da[u] = (s->low_b[u] - s->low_a[u]) * step, b[u] = s->high_a[u],
         db[u] = (s->high_b[u] - s->high_a[u]) * step;
     }
     for (size_t i = 0; i <= n; i++) {
         const double at = (double)i, *p = s->p[n - i], not_yet = i ? 0 : HUGE_VAL;
-        EACH_LOOK {
-            double err = first[u] + (second[u] < cap[u] ? second[u] : cap[u]), low = p[u] - (a[u] + da[u] * at) + err,
-                   high = (b[u] + db[u] * at) - p[u] + err, d = s->side[u] * (p[u] - was[u]),
+        EACH_LOOK
+        {
+            double err = first[u] + (second[u] < cap[u] ? second[u] : cap[u]),
+                   low = p[u] - (a[u] + da[u] * at) + err, high = (b[u] + db[u] * at) - p[u] + err,
+                   d = s->side[u] * (p[u] - was[u]),
                    off = err + was_off[u] + SGT_U * (fabs(p[u]) + fabs(was[u])) - not_yet;
             double d_low = d + off, d_high = off - d;
             least[u] = low > least[u] ? low : least[u], most[u] = high > most[u] ? high : most[u];
-            least_d[u] = d_low > least_d[u] ? d_low : least_d[u], most_d[u] = d_high > most_d[u] ? d_high : most_d[u];
+            least_d[u] = d_low > least_d[u] ? d_low : least_d[u],
+            most_d[u] = d_high > most_d[u] ? d_high : most_d[u];
             was[u] = p[u], was_off[u] = err, first[u] *= by[u], second[u] *= more[u];
         }
     }
-    EACH_LOOK {
-        double all = fabs(s->low_a[u]) + fabs(s->low_b[u]) + fabs(s->high_a[u]) + fabs(s->high_b[u]), off = 0x1p-48 * all,
-               width = s->vb[u] - s->va[u], scale = (double)n / width;
+    EACH_LOOK
+    {
+        double all = fabs(s->low_a[u]) + fabs(s->low_b[u]) + fabs(s->high_a[u]) + fabs(s->high_b[u]),
+               off = 0x1p-48 * all, width = s->vb[u] - s->va[u], scale = (double)n / width;
         double ends = was_off[u], begins = at_a[u] + off;
         s->f_lo[u] = -(least[u] + off), s->f_hi[u] = most[u] + off;
         double lo = least_d[u] * scale, hi = most_d[u] * scale;
-        s->lo[u] = s->slope_lo[u] - lo - 0x1p-46 * fabs(lo), s->hi[u] = s->slope_hi[u] + hi + 0x1p-46 * fabs(hi);
-        s->b_lo[u] = s->low_b[u] - s->p[0][u] - ends - off, s->b_hi[u] = s->high_b[u] - s->p[0][u] + ends + off;
+        s->lo[u] = s->slope_lo[u] - lo - 0x1p-46 * fabs(lo),
+        s->hi[u] = s->slope_hi[u] + hi + 0x1p-46 * fabs(hi);
+        s->b_lo[u] = s->low_b[u] - s->p[0][u] - ends - off,
+        s->b_hi[u] = s->high_b[u] - s->p[0][u] + ends + off;
         /* no number above is NaN */
         mask fine = MASK(all < 0x1p900) & MASK(ends < 0x1p900) & MASK(fabs(s->p[n][u]) < 0x1p900);
         s->f_lo[u] = chosen(fine, s->f_lo[u], -HUGE_VAL), s->f_hi[u] = chosen(fine, s->f_hi[u], HUGE_VAL);
@@ -485,7 +526,8 @@ static void range_to_infinity(const lines *e, stretches *s, size_t u)
     const double n = (double)e->n, va = s->va[u], side = s->side[u], a = side * va, l = s->l[u], m = s->m[u],
                  x = s->x[u] + a * l, y = s->y[u] + a * m, W2 = l * l + m * m,
                  z[3] = {s->z[u] + s->g[u] * a, side * s->g[u] / n, 0},
-                 base[3] = {e->c * (x * x + y * y), e->c * 2 * (W2 * va + fabs(s->x[u] * l + s->y[u] * m)) / n,
+                 base[3] = {e->c * (x * x + y * y),
+                            e->c * 2 * (W2 * va + fabs(s->x[u] * l + s->y[u] * m)) / n,
                             e->c * 2 * W2 / (n * (n - 1))};
     double least = HUGE_VAL, most = -HUGE_VAL, all = 0;
     fade w = fade_of(e, s, u);
@@ -510,7 +552,7 @@ static void look_over(const lines *e, stretches *s)
         if (!(s->vb[u] < HUGE_VAL)) range_to_infinity(e, s, u);
 }
 
-static bool is_clear(const stretches *s, size_t u)
+static bool stretch_clear(const stretches *s, size_t u)
 {
     if (s->f_lo[u] > 0 || s->f_hi[u] < 0) return true;
     bool monotone = s->lo[u] > 0 || s->hi[u] < 0;
@@ -532,7 +574,7 @@ static double half_way(double va, double vb)
 }
 
 /* F as p has it. */
-static double value_along(const lines *e, size_t u, double v)
+static double along_value(const lines *e, size_t u, double v)
 {
     base_along s = base_at_v(e->c, e->k1, e->x[u], e->y[u], e->l[u], e->m[u], v);
     double p = 0;
@@ -547,23 +589,26 @@ static double room_about(const lines *e, double root) { return (1 + fabs(root)) 
  * (Illinois), and bisection where that does not halve the bracket in two steps. */
 static double root_between(const lines *e, size_t u, double a, double b)
 {
-    double fa = value_along(e, u, a), fb = value_along(e, u, b), v = 0.5 * (a + b), width = fabs(b - a);
+    double fa = along_value(e, u, a), fb = along_value(e, u, b), v = 0.5 * (a + b), width = fabs(b - a);
     for (int i = 0; i < ALONG_SEEKS && width > 0.25 * room_about(e, v); i++) {
         v = b - fb * ((b - a) / (fb - fa));
         if (i % 3 == 2 && fabs(b - a) > 0.5 * width) v = 0.5 * (a + b);
         if (i % 3 == 2) width = fabs(b - a);
         if (!(fabs(v - 0.5 * (a + b)) < 0.5 * fabs(b - a))) v = 0.5 * (a + b);
-        double f = value_along(e, u, v);
-        if (signbit(f) == signbit(fb)) fa *= 0.5;
-        else a = b, fa = fb;
+        double f = along_value(e, u, v);
+        if (signbit(f) == signbit(fb))
+            fa *= 0.5;
+        else
+            a = b, fa = fb;
         b = v, fb = f;
         /* a step on either side of the root */
         double beyond = v + copysign(0.125 * room_about(e, v), a - v);
         if (fabs(beyond - v) < fabs(a - v) && fabs(f) < HUGE_VAL) {
-            double g = value_along(e, u, beyond);
+            double g = along_value(e, u, beyond);
             if (signbit(g) != signbit(f)) return v - f * ((beyond - v) / (g - f));
             b = beyond, fb = g;
-        } else break;
+        } else
+            break;
     }
     return b - fb * ((b - a) / (fb - fa));
 }
@@ -593,7 +638,7 @@ static void aim(const walker *w, size_t u, const lines *e, stretches *s)
 }
 
 /* The ray of lane u from now on. */
-static void take_ray(const lines *e, size_t ray, stretches *s, size_t u)
+static void place_ray(const lines *e, size_t ray, stretches *s, size_t u)
 {
     s->ray[u] = ray, s->x[u] = e->x[ray], s->y[u] = e->y[ray], s->l[u] = e->l[ray], s->m[u] = e->m[ray];
     s->z[u] = e->z[ray], s->g[u] = e->g[ray], s->E[u] = e->E[ray], s->B[u] = e->B[ray];
@@ -605,14 +650,17 @@ static void tell_trial(const vicinity *v, const lines *e, const stretches *s, si
     double a = s->side[u] * s->va[u], b = s->side[u] * s->vb[u], one = e->t0[k] + (a < b ? a : b) * e->by[k],
            other = e->t0[k] + (a < b ? b : a) * e->by[k], by = 1 / (e->by[k] * e->scale[k]);
     tell_cell(v->told, SGT_MARCH, one * e->scale[k], other * e->scale[k],
-              sgt_interval_between(s->f_lo[u], s->f_hi[u]), sgt_interval_between(s->lo[u] * by, s->hi[u] * by));
+              sgt_interval_between(s->f_lo[u], s->f_hi[u]),
+              sgt_interval_between(s->lo[u] * by, s->hi[u] * by));
 }
 
 /* The answer for a stretch about the root: false: too little is known of it. */
-static bool tell_stretch(const lines *e, const stretches *s, size_t u, double root, const vicinity *v, size_t i)
+static bool tell_stretch(const lines *e, const stretches *s, size_t u, double root, const vicinity *v,
+                         size_t i)
 {
     double least = s->lo[u] > 0 ? s->lo[u] : -s->hi[u], a = s->side[u] > 0 ? s->va[u] : -s->vb[u],
-           b = s->side[u] > 0 ? s->vb[u] : -s->va[u], by = e->by[s->ray[u]], t0 = e->t0[s->ray[u]], scale = e->scale[s->ray[u]];
+           b = s->side[u] > 0 ? s->vb[u] : -s->va[u], by = e->by[s->ray[u]], t0 = e->t0[s->ray[u]],
+           scale = e->scale[s->ray[u]];
     if (!(least > 0 && least < HUGE_VAL)) return false;
     double inside = 0x1p-10 * (b - a), lo = t0 + (a + inside) * by, hi = t0 + (b - inside) * by,
            lost = 0x1p-44 * (fabs(t0) + fabs(a * by) + fabs(b * by) + by);
@@ -623,20 +671,24 @@ static bool tell_stretch(const lines *e, const stretches *s, size_t u, double ro
     return true;
 }
 
-/* Guesses where the root is that the last stretch has, as F has unlike signs at its ends: the next stretch ends
- * before it, or else behind it. */
-static void guess(walker *w, const lines *e, const stretches *s, size_t u)
+/* Guesses where the root is that the last stretch has, as F has unlike signs at its ends: the next stretch
+ * ends before it, or else behind it. */
+static void guess_root(walker *w, const lines *e, const stretches *s, size_t u)
 {
     w->root = root_between(e, s->ray[u], w->at, w->probe);
     double room = room_about(e, w->root);
     w->guesses++;
-    if (w->root - room > w->at && w->root - room < w->probe) w->probe = w->root - room;
-    else if (w->root + room > w->at && w->root + room < w->probe) w->probe = w->root + room;
-    else w->probe = 0.5 * (w->at + w->probe);
+    if (w->root - room > w->at && w->root - room < w->probe)
+        w->probe = w->root - room;
+    else if (w->root + room > w->at && w->root + room < w->probe)
+        w->probe = w->root + room;
+    else
+        w->probe = 0.5 * (w->at + w->probe);
 }
 
 /* What the last look says: the walker goes on, or is done. */
-static along_says step(walker *w, const lines *e, const stretches *s, size_t u, const vicinity *v, size_t i)
+static along_says walk_on(walker *w, const lines *e, const stretches *s, size_t u, const vicinity *v,
+                          size_t i)
 {
     const along_says so_far = w->at > w->begin ? ALONG_CLEAR : ALONG_SILENT;
     if (w->rooms) {
@@ -644,7 +696,7 @@ static along_says step(walker *w, const lines *e, const stretches *s, size_t u, 
         w->done = ++w->rooms > ALONG_ROOMS;
         return so_far;
     }
-    if (is_clear(s, u)) {
+    if (stretch_clear(s, u)) {
         w->at = w->probe;
         while (w->waiting && w->pending[w->waiting - 1] <= w->at) w->waiting--;
         if (!(w->at < w->to)) return w->done = true, ALONG_MISS;
@@ -667,8 +719,10 @@ static along_says step(walker *w, const lines *e, const stretches *s, size_t u, 
     }
     double va = s->va[u], vb = s->vb[u], mid = half_way(va, vb);
     bool unlike = (s->a_lo[u] > 0 && s->b_hi[u] < 0) || (s->a_hi[u] < 0 && s->b_lo[u] > 0);
-    if (unlike && w->guesses < ALONG_GUESSES) guess(w, e, s, u);
-    else w->probe = s->side[u] * mid;
+    if (unlike && w->guesses < ALONG_GUESSES)
+        guess_root(w, e, s, u);
+    else
+        w->probe = s->side[u] * mid;
     bool spent = ++w->trials == ALONG_TRIALS || v->evals[i] >= 0.5 * v->budget;
     w->done = spent || !(vb - va > 0x1p-16 * (1 + va)) || !(w->probe > w->at);
     return so_far;
@@ -677,8 +731,8 @@ static along_says step(walker *w, const lines *e, const stretches *s, size_t u, 
 /* Lays lane u for this ray, from t on.  Returns ALONG_CLEAR if it is to be looked along. */
 static along_says lay_line(const sgt_ray *ray, double from, double home, lines *e, size_t u, walker *w)
 {
-    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), l = ray->d.x * scale, m = ray->d.y * scale,
-           n = ray->d.z * scale, a = l * l + m * m;
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), l = ray->d.x * scale,
+           m = ray->d.y * scale, n = ray->d.z * scale, a = l * l + m * m;
     if (!(a > 0x1p-60)) return ALONG_SILENT;
     double t0 = -(ray->o.x * l + ray->o.y * m) / a;
     double x = moved_along(ray->o.x, t0, l), y = moved_along(ray->o.y, t0, m);
@@ -727,8 +781,8 @@ SGT_INLINE bool along_offered(sgt_surface s, sgt_course *course)
     return of->along(s.self, course) && course->degree < ALONG_MOST;
 }
 
-void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double t[], along_says said[],
-                    vicinities *kept, const vicinity *v)
+void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double t[],
+                    along_says said[], vicinities *kept, const vicinity *v)
 {
     sgt_course course = {0, false, 0};
     for (size_t u = 0; u < count; u++) said[u] = ALONG_SILENT;
@@ -743,8 +797,10 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
     s.ops->own_->base(s.self, &e.c, &k), e.k1 = 1 + k;
     for (size_t j = 0; j < count; j++) {
         size_t i = row[j];
-        const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
-                             v->tmin[i], v->tmax[i]};
+        const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]},
+                             {r->d[0][i], r->d[1][i], r->d[2][i]},
+                             v->tmin[i],
+                             v->tmax[i]};
         said[j] = lay_line(&ray, t[j], course.home, &e, some, &walk[some]);
         if (said[j] != ALONG_CLEAR) continue;
         said[j] = ALONG_SILENT;
@@ -753,16 +809,17 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
     }
     if (some == 0) return;
     for (size_t u = some; u < WIDE; u++) { /* as the first */
-        e.W[u] = e.W[0], e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0], e.g[u] = e.g[0];
+        e.W[u] = e.W[0], e.x[u] = e.x[0], e.y[u] = e.y[0], e.l[u] = e.l[0], e.m[u] = e.m[0], e.z[u] = e.z[0],
+        e.g[u] = e.g[0];
         walk[u].done = true, rounding[u] = rounding[0];
     }
     ask_along(s, !course.even, some, rounding, &e);
     for (size_t u = 0; u < some; u++) walk[u].done = !(e.E[u] < 0x1p900 && e.B[u] < 0x1p900);
-    for (size_t u = 0; u < ABREAST; u++) take_ray(&e, u < some ? u : 0, &at, u);
+    for (size_t u = 0; u < ABREAST; u++) place_ray(&e, u < some ? u : 0, &at, u);
     for (size_t next = ABREAST;;) {
         size_t left = 0;
         for (size_t u = 0; u < ABREAST; u++) {
-            while (walk[at.ray[u]].done && next < some) take_ray(&e, next++, &at, u);
+            while (walk[at.ray[u]].done && next < some) place_ray(&e, next++, &at, u);
             left += u < some && !walk[at.ray[u]].done;
             aim(&walk[at.ray[u]], u, &e, &at);
         }
@@ -774,7 +831,7 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
             size_t j = of[at.ray[u]], i = row[j];
             v->evals[i] += 1;
             if (v->told) tell_trial(v, &e, &at, u);
-            said[j] = step(w, &e, &at, u, v, i);
+            said[j] = walk_on(w, &e, &at, u, v, i);
             if (v->told && v->told->stopped) w->done = true;
         }
     }
@@ -782,7 +839,9 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
         size_t j = of[u];
         if (said[j] != ALONG_CLEAR) continue;
         double to = reached(&e, u, &walk[u]);
-        if (to > t[j]) t[j] = to;
-        else said[j] = ALONG_SILENT;
+        if (to > t[j])
+            t[j] = to;
+        else
+            said[j] = ALONG_SILENT;
     }
 }

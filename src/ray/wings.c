@@ -92,6 +92,10 @@
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
  *                                that of the seed, or to the last ring, whichever is the greatest
  *
+ * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where the
+ * march would begin, and from where it has left a start.  What that leaves open is marched along from where it
+ * has come to.  Where there is a tail, that says as much for less.
+ *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
@@ -787,9 +791,9 @@ static bool is_marched(const vicinity *v, double edge, bool behind, double t, si
     return !(edge < HUGE_VAL) || behind == (v->seed[i] < v->tmin[i]);
 }
 
-/* Looks along these rows, from their t on.  Those that begin where they may start on the surface are left to the
- * march, which knows how to leave it (as stays_off of vicinity.c has it). */
-static void look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double *begin,
+/* Looks along these rows, from their t on.  Those that begin where they may start on the surface are left to
+ * the march, which knows how to leave it (as stays_off of vicinity.c has it). */
+static void begin_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double *begin,
                        vicinities *kept, const vicinity *v)
 {
     double p[3][ALONG_ROWS], f[ALONG_ROWS], g[3][ALONG_ROWS], t[ALONG_ROWS];
@@ -815,14 +819,14 @@ static void look_along(sgt_surface s, const sgt_rays *r, size_t count, const siz
 
 /* The same for all rows that are to be marched along. */
 SGT_NOINLINE
-static void look_along_all(sgt_surface s, size_t n, const sgt_rays *r, double edge, bool behind, double *begin,
-                           vicinities *kept, const vicinity *v)
+static void begin_along_all(sgt_surface s, size_t n, const sgt_rays *r, double edge, bool behind,
+                            double *begin, vicinities *kept, const vicinity *v)
 {
     size_t row[ALONG_ROWS], count = 0;
     for (size_t i = 0; i <= n; i++) {
         if (i < n && is_marched(v, edge, behind, begin[i], i)) row[count++] = i;
         if (count < ALONG_ROWS && i < n) continue;
-        if (count > 0) look_along(s, r, count, row, begin, kept, v);
+        if (count > 0) begin_along(s, r, count, row, begin, kept, v);
         count = 0;
     }
 }
@@ -834,7 +838,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
     double edge = sqrt(bare->radius2), begin[VICINITY_MOST];
     size_t left = 0;
     memcpy(begin, from, n * sizeof *begin);
-    look_along_all(s, n, &r, edge, behind, begin, kept, v);
+    if (!bare->tailed) begin_along_all(s, n, &r, edge, behind, begin, kept, v); /* a tail costs less */
     if (v->told && v->told->stopped) return;
     for (size_t i = 0; i < n; i++) {
         double t = begin[i];
@@ -905,7 +909,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 wings_leave(a, i, --left);
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
-                if (in_rings && off) {
+                if (in_rings && off && !known->tailed) {
                     along_says said;
                     sgt_look_along(s, &r, 1, &k, &t, &said, kept, v);
                     if (said == ALONG_MISS) is_miss(v, k);

@@ -2,9 +2,8 @@
 // Departures that are polynomials, without a rim, and all that a ray meets of them far out (src/ray/along.c).
 //
 // Random sags of many terms: powers of x and y, Zernike, Chebyshev and Q terms, sums; on bases that end, that
-// never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays come from afar,
-// pass by, or go out in any direction, with an end or without.  Some of the departures are such that a root
-// lies next to another one far out: F is shifted to touch zero there, nearly.
+// never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays come from
+// afar, pass by, or go out in any direction, with an end or without.
 //
 // The judge is F: 1500 points of the ray, evenly in the angle that the axis sees them at, and as many next to
 // the answer.  Where F in doubles changes its sign between two of them, F in 113 bits is asked at both.
@@ -21,7 +20,8 @@
 
 using namespace catalogue;
 
-namespace {
+namespace
+{
 
 std::map<std::string, int> failed;
 
@@ -83,10 +83,17 @@ specimen wide(generator &g, int kind)
     const double h = s.h, strong = h * g.log_uniform(1e-6, 0.1);
     double c = g.sign() / (h * g.log_uniform(1.3, 100)), k = 0;
     switch (static_cast<int>(g.uniform(0, 6))) {
-    case 0: c = 0; break;
-    case 1: k = -1; break;
-    case 2: k = g.uniform(-5, -1); break;
-    default: k = g.uniform(-0.9, 0.5);
+    case 0:
+        c = 0;
+        break;
+    case 1:
+        k = -1;
+        break;
+    case 2:
+        k = g.uniform(-5, -1);
+        break;
+    default:
+        k = g.uniform(-0.9, 0.5);
     }
     const std::size_t n = static_cast<std::size_t>(g.uniform(2, g.chance(0.1) ? 20 : 9));
     const bool sparse = g.chance(0.3); // leading terms that vanish, one of one sign
@@ -141,10 +148,10 @@ specimen wide(generator &g, int kind)
 
 sgt_ray drawn(generator &g, const specimen &s, const formula<double> &f)
 {
-    const double r = s.h * std::sqrt(g.uniform(0, 1.5)), about = g.uniform(0, 6.2832), x = r * std::cos(about),
-                 y = r * std::sin(about), sag = -f(x, y, 0.0), z0 = sag == sag ? sag : 0,
-                 to = g.uniform(0, 6.2832), up = g.chance(0.4) ? g.uniform(-0.1, 0.1) : g.uniform(-1, 1),
-                 flat = std::sqrt(1 - up * up);
+    const double r = s.h * std::sqrt(g.uniform(0, 1.5)), about = g.uniform(0, 6.2832),
+                 x = r * std::cos(about), y = r * std::sin(about), sag = -f(x, y, 0.0),
+                 z0 = sag == sag ? sag : 0, to = g.uniform(0, 6.2832),
+                 up = g.chance(0.4) ? g.uniform(-0.1, 0.1) : g.uniform(-1, 1), flat = std::sqrt(1 - up * up);
     const sgt_vec3 d = {flat * std::cos(to), flat * std::sin(to), up};
     const double off = g.chance(0.1) ? 0 : g.sign() * s.h * g.log_uniform(1e-6, 3),
                  back = g.chance(0.5) ? 0 : s.h * g.log_uniform(0.1, g.chance(0.3) ? 1e6 : 100),
@@ -152,7 +159,9 @@ sgt_ray drawn(generator &g, const specimen &s, const formula<double> &f)
     return {{x - back * d.x, y - back * d.y, z0 + off - back * d.z}, d, 0, end};
 }
 
-struct counts { long rays, hits, misses, undecided, by_misses; };
+struct counts {
+    long rays, hits, misses, undecided, by_misses;
+};
 
 void check(generator &g, int kind, int surfaces, counts *all)
 {
@@ -225,8 +234,8 @@ int main()
         if (only && std::atoi(only) != kind) continue;
         check(g, kind, surfaces, &all);
         std::printf("%d: %ld rays, %ld hits, %ld misses by %.1f evaluations, %ld undecided\n", kind, all.rays,
-                    all.hits, all.misses, static_cast<double>(all.by_misses) / static_cast<double>(all.misses),
-                    all.undecided);
+                    all.hits, all.misses,
+                    static_cast<double>(all.by_misses) / static_cast<double>(all.misses), all.undecided);
         if (all.undecided * 10 > all.rays) failed["too many are undecided"]++;
     }
     for (const auto &f : failed) std::printf("%s: %d times\n", f.first.c_str(), f.second);

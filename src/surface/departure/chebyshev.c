@@ -460,9 +460,9 @@ static sgt_objection chebyshev_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-/* The noise over a disc that is wider than both norms.  Each factor that T_i, T_i' or the error of T_i is bounded
- * by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of the terms'
- * sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
+/* The noise over a disc that is wider than both norms.  Each factor that T_i, T_i' or the error of T_i is
+ * bounded by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of the
+ * terms' sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
 static double chebyshev_along_off(const void *self, double radius)
 {
     const sgt_chebyshev *s = self;
@@ -479,8 +479,8 @@ static double chebyshev_along_off(const void *self, double radius)
 
 enum { ALONG_TERMS = 40, ALONG_POINTS = 8 };
 
-/* The noise at points with |x| and |y| at most these.  All that chebyshev_noise_in_box takes for [-1, 1] is at
- * most its value at 1, from where on it increases.  Of degrees below ALONG_TERMS. */
+/* The noise at points with |x| and |y| at most these.  All that chebyshev_noise_in_box takes for [-1, 1] is
+ * at most its value at 1, from where on it increases.  Of degrees below ALONG_TERMS. */
 SGT_KERNEL
 static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, const double *restrict y,
                             double *restrict out)
@@ -489,7 +489,8 @@ static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, co
         now[ALONG_POINTS], u[ALONG_POINTS], p[ALONG_POINTS];
     const double sums = chebyshev_sums_of(s), k = 5.4143;
     LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
-        v[i] = larger(y[i] / s->norm_y, 1) * (1 + 0x1p-50), w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+        v[i] = larger(y[i] / s->norm_y, 1) * (1 + 0x1p-50);
+        w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
         p[i] = 0;
     }
     for (size_t j = 0; j < s->a.columns; j++) {
@@ -501,7 +502,8 @@ static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, co
         }
     }
     LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
-        v[i] = larger(x[i] / s->norm_x, 1) * (1 + 0x1p-50), w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+        v[i] = larger(x[i] / s->norm_x, 1) * (1 + 0x1p-50);
+        w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
     }
     for (size_t i = 0; i < s->a.rows; i++) {
         const double degree = (double)i, *a = s->a.x + i * s->a.columns;

@@ -132,16 +132,17 @@ typedef struct departure {
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
 
-    /* Along any line P is a polynomial of the length: what is known of it (ray/along.c).  false or NULL: it is
-     * none.  `noise` is offered, and `bounds` holds everywhere. */
+    /* Along any line P is a polynomial of the length: what is known of it (ray/along.c).  false or NULL: it
+     * is none.  `noise` is offered, and `bounds` holds everywhere. */
     bool (*along)(const void *self, sgt_course *out);
 
-    /* With `along`: at most the noise within a radius, and 2^-46 times the radius and the gradient there.  NULL:
-     * `noise` and `bounds` are asked. */
+    /* With `along`: at most the noise within a radius, and 2^-46 times the radius and the gradient there.
+     * NULL: `noise` and `bounds` are asked. */
     double (*along_off)(const void *self, double radius);
 
-    /* With `along`, if P is much less in some directions than in others: at most the noise where |x| and |y| are
-     * at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is not. */
+    /* With `along`, if P is much less in some directions than in others: at most the noise where |x| and |y|
+     * are at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is
+     * not. */
     void (*along_noise)(const void *self, const double x[], const double y[], double out[]);
 
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
