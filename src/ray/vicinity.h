@@ -61,8 +61,8 @@
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, ALONGS = 4, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS,
-       VICINITY_MOST = 64 /* rays at a time */ };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, ALONGS = 4, WINGS_ROWS = 29,
+       VICINITY_ROWS = WINGS_ROWS, VICINITY_MOST = 64 /* rays at a time */ };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;

@@ -92,9 +92,9 @@
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
  *                                that of the seed, or to the last ring, whichever is the greatest
  *
- * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where the
- * march would begin, and from where it has left a start.  What that leaves open is marched along from where it
- * has come to.  Where there is a tail, that says as much for less.
+ * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
+ * the march would begin, and from where it has left a start.  What that leaves open is marched along from
+ * where it has come to.  Where there is a tail, that says as much for less.
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */

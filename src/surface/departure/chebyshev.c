@@ -461,8 +461,8 @@ static sgt_objection chebyshev_object(const void *self)
 }
 
 /* The noise over a disc that is wider than both norms.  Each factor that T_i, T_i' or the error of T_i is
- * bounded by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of the
- * terms' sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
+ * bounded by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of
+ * the terms' sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
 static double chebyshev_along_off(const void *self, double radius)
 {
     const sgt_chebyshev *s = self;
