@@ -19,6 +19,7 @@ What is not installed is skipped, and the line says what.  Under qemu it is alwa
 nothing is timed.  Times are medians of runs of platforms/speed.c that take turns, all systems in each
 round; a ratio is the median of the ratios to `gcc` of the same round.
 """
+import concurrent.futures
 import os
 import pathlib
 import shlex
@@ -203,14 +204,19 @@ def main(*words):
     quick = '--quick' in options
     timed_names = names if quick or 'gcc' in names else ['gcc'] + names
     platforms = [Platform(name, quick) for name in timed_names]
-    for p in platforms:
+
+    def tried(p):
         if p.missing():
             p.note = f'skipped: {p.missing()} not installed'
         guarded(p, p.build, '--oracles' in options)
         guarded(p, p.compare, quick)
         if '--oracles' in options:
             guarded(p, p.test)
-        print(f'{p.name}: {p.note or p.bits}' + (f': {", ".join(p.differ)}' if p.differ else ''), flush=True)
+        return p
+    # Two at a time: one is configured, or answers by one process, while the other compiles.
+    with concurrent.futures.ThreadPoolExecutor(2) as two:
+        for p in two.map(tried, platforms):
+            print(f'{p.name}: {p.note or p.bits}' + (f': {", ".join(p.differ)}' if p.differ else ''), flush=True)
     for _ in range(0 if quick else ROUNDS):
         for p in platforms:
             if p.by != 'qemu':

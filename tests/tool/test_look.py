@@ -593,4 +593,18 @@ def test_pictures():
             run(name, TRIPLET, '--grid', 1, '--picture', written('', 'x.svg'))
 
 
+def test_a_lens_without_its_image():
+    """Where the last surface bends light, one line says that it is taken for the image; --quiet leaves it out."""
+    plane, glass = '\n  - {type: plane}\n', ', thickness: 48, index: 1}'
+    assert COLOURED.endswith(glass + plane)
+    refracts, mirror = COLOURED[:-len(plane)] + '\n', MIRROR.format(far=10, behind=-100)[:-len(plane)] + '\n'
+    for text, word in (refracts, 'refracts'), (mirror, 'reflects'):
+        for name in 'spot', 'fan', 'info':
+            lines = [line for line in run(name, written(text)).stderr.splitlines() if 'taken for the image' in line]
+            assert len(lines) == 1 and f'surfaces[2], {word},' in lines[0], lines
+            assert 'taken for' not in run(name, written(text), '--quiet').stderr
+    for text in COLOURED, MIRROR.format(far=10, behind=-100), refracts.replace('48, index: 1', '48, glass: SCHOTT N-BK7'):
+        assert 'taken for' not in run('spot', written(text), exit=None).stderr, text
+
+
 main(globals())

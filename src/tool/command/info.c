@@ -353,6 +353,7 @@ double *info_image_heights(const lens *l, const sgt_first_order *o)
 /* What the numbers leave out. */
 static void note_limits(const sgt_lens *l)
 {
+    lens_note_image(l);
     bool tilted = false, sections = false;
     for (size_t i = 0; i < l->count; i++) {
         const sgt_pose *p = &l->element[i].pose;

@@ -333,6 +333,7 @@ sgt_study_options look_study(look *l, const job_points_asked *points, int *threa
     const lens_list lenses = job_lenses(o);
     l->band = lenses.lens, l->bands = lenses.count, of = lenses.lens[0].of;
     l->primary = of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
+    lens_note_image(of);
     l->fields = job_fields(o, &l->primary);
     l->um = sgt_lens_unit(of);
     options_note_unread(&l->shared, l->primary.count, l->primary.element);

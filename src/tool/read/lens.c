@@ -243,6 +243,22 @@ void lens_be_quiet(void) { quiet = true; }
 
 bool lens_quiet(void) { return quiet; }
 
+void lens_note_image(const sgt_lens *of)
+{
+    static bool told;
+    const size_t last = of->count - 1;
+    double before = of->index_before > 0 ? of->index_before : 1;
+    for (size_t i = 0; i < last; i++)
+        if (of->element[i].index > 0) before = of->element[i].index;
+    const bool mirror = of->surface[last].mirror;
+    const double behind = of->element[last].index;
+    if (told || quiet || (!mirror && !(behind > 0 && behind != before))) return;
+    told = true;
+    note("%s:%zu: the last surface, surfaces[%zu], %s, and is taken for the image.  If the image lies behind "
+         "it, end the file with a plane there", of->file, of->surface[last].line, of->count,
+         mirror ? "reflects" : "refracts");
+}
+
 /* chosen: there is no need to say that there are configurations. */
 static void note_remarks(const sgt_lens *l, bool chosen)
 {

@@ -62,6 +62,9 @@ sgt_lens *lens_open_whole(const char *path);
 lens lens_at(sgt_lens *of, lens_wavelength at);
 void lens_note_no_ranges(void); /* from now on */
 
+/* Notes, once, that the last surface bends light: what is said of the image is then said of it. */
+void lens_note_image(const sgt_lens *of);
+
 /* Writes it as a lens file (NULL: to standard output). */
 void lens_write(sgt_lens *of, const char *path);
 
