@@ -94,7 +94,7 @@
  *
  * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
  * the march would begin, and from where it has left a start.  What that leaves open is marched along from
- * where it has come to.  Where there is a tail, that says as much for less.
+ * where it has come to.  Types with a tail do not offer it: that says as much for less.
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
@@ -838,7 +838,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
     double edge = sqrt(bare->radius2), begin[VICINITY_MOST];
     size_t left = 0;
     memcpy(begin, from, n * sizeof *begin);
-    if (!bare->tailed) begin_along_all(s, n, &r, edge, behind, begin, kept, v); /* a tail costs less */
+    begin_along_all(s, n, &r, edge, behind, begin, kept, v);
     if (v->told && v->told->stopped) return;
     for (size_t i = 0; i < n; i++) {
         double t = begin[i];
@@ -909,7 +909,7 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 wings_leave(a, i, --left);
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
-                if (in_rings && off && !known->tailed) {
+                if (in_rings && off) {
                     along_says said;
                     sgt_look_along(s, &r, 1, &k, &t, &said, kept, v);
                     if (said == ALONG_MISS) is_miss(v, k);

@@ -221,17 +221,9 @@ static sgt_objection con_object(const void *self)
     return object_to_list("coefficients", s->a, Q_TERMS, "must have at most 64 numbers");
 }
 
-static bool con_along(const void *self, sgt_course *out)
-{
-    const sgt_q_con *s = self;
-    size_t terms = q_terms(s->a);
-    *out = (sgt_course){terms > 0 ? 2 * terms + 2 : 0, true, s->norm};
-    return true;
-}
-
 static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second,
     .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise,
-    .tail = con_tail, .bent = con_bent, .along = con_along};
+    .tail = con_tail, .bent = con_bent};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)
