@@ -80,6 +80,7 @@ enum {
 };
 static const double SPREAD = 4;
 
+/* (Loops of eight and four lanes are no kernels of exact.h: four do not fill the widest registers.) */
 typedef double lane_row[WIDE];
 #define EACH LANES for (size_t u = 0; u < WIDE; u++)
 
@@ -185,7 +186,7 @@ static double rounding_about(sgt_surface s, size_t half, double W, vicinities *k
 /* --------------------------------------------------------------------------- coefficients */
 
 /* q[k][j]: the coefficient of v^2k in the polynomial of v^2 that is 1 at node j and 0 at the others. */
-SGT_KERNEL
+SGT_NOINLINE
 static void lagrange(size_t half, const nodes *e, double q[ALONG_HALF][ALONG_HALF])
 {
     double of[ALONG_HALF + 1], by[ALONG_HALF], sum[ALONG_HALF], binomial = 1;
@@ -209,7 +210,7 @@ static void lagrange(size_t half, const nodes *e, double q[ALONG_HALF][ALONG_HAL
 }
 
 /* c_k of the polynomials of these values at +v, and behind them at -v. */
-SGT_KERNEL
+SGT_NOINLINE
 static void interpolate(const nodes *at, double q[ALONG_HALF][ALONG_HALF], lane_row *value, lines *e)
 {
     const size_t half = e->half;
@@ -230,7 +231,7 @@ static void interpolate(const nodes *at, double q[ALONG_HALF][ALONG_HALF], lane_
 }
 
 /* The greatest weighted |p - P| at the nodes, with the rounding of Horner's rule. */
-SGT_KERNEL
+SGT_NOINLINE
 static void misses_by(const nodes *at, lane_row *value, const lines *e, lane_row most)
 {
     const size_t half = e->half;
@@ -257,7 +258,7 @@ static void misses_by(const nodes *at, lane_row *value, const lines *e, lane_row
 }
 
 /* b_k, and the greatest magnitude. */
-SGT_KERNEL
+SGT_NOINLINE
 static void scale_by_binomial(lines *e)
 {
     double binomial = 1;
@@ -377,7 +378,7 @@ SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
                   sb / sa};
 }
 
-SGT_KERNEL
+SGT_NOINLINE
 static void bernstein(const lines *e, stretches *s)
 {
     const size_t n = e->n;
@@ -405,7 +406,7 @@ static void bernstein(const lines *e, stretches *s)
 }
 
 /* The most that rounding does to a coefficient: 6 (n + 1) u of the sum of |c_k| vb^k. */
-SGT_KERNEL
+SGT_NOINLINE
 static void rounding_caps(const lines *e, const stretches *s, look_row cap)
 {
     const double most = 6.13 * (double)(e->n + 1) * SGT_U;
@@ -438,7 +439,7 @@ SGT_INLINE base_along base_at_v(double c, double k1, double x0, double y0, doubl
 
 /* Bounds on z - base at the ends of two lines, above and below it over the whole stretch, and on its slope.
  */
-SGT_KERNEL
+SGT_NOINLINE
 static void rest_over(const lines *e, stretches *s)
 {
     const double c = e->c, k1 = e->k1;
@@ -467,7 +468,7 @@ static void rest_over(const lines *e, stretches *s)
 }
 
 /* The range of the coefficients of z - base - P and of its derivative, each with all that it may be off. */
-SGT_KERNEL
+SGT_NOINLINE
 static void ranges(const lines *e, stretches *s)
 {
     const size_t n = e->n;

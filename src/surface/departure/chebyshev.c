@@ -481,7 +481,7 @@ enum { ALONG_TERMS = 40, ALONG_POINTS = 8 };
 
 /* The noise at points with |x| and |y| at most these.  All that chebyshev_noise_in_box takes for [-1, 1] is
  * at most its value at 1, from where on it increases.  Of degrees below ALONG_TERMS. */
-SGT_KERNEL
+SGT_NOINLINE
 static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, const double *restrict y,
                             double *restrict out)
 {
