@@ -66,8 +66,8 @@
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, WINGS_ROWS = 29, VICINITY_ROWS = WINGS_ROWS,
-       VICINITY_MOST = 64 /* rays at a time */ };
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, ALONGS = 4, WINGS_ROWS = 29,
+       VICINITY_ROWS = WINGS_ROWS, VICINITY_MOST = 64 /* rays at a time */ };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
@@ -79,8 +79,9 @@ typedef struct vicinities {
     known_part part[VICINITIES];
     rings rings;
     sgt_tails tails;
-    bool any_heights, any_boxes, any_bent;
+    bool any_heights, any_boxes, any_bent, any_along;
     sgt_interval bent; /* within the rim */
+    double along[ALONGS][2]; /* of along.c */
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
@@ -110,7 +111,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = false;
+    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = v->any_along = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }

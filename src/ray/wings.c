@@ -92,10 +92,15 @@
  *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
  *                                that of the seed, or to the last ring, whichever is the greatest
  *
+ * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
+ * the march would begin, and from where it has left a start.  What that leaves open is marched along from
+ * where it has come to.  Types with a tail do not offer it: that says as much for less.
+ *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
 
+#include "along.h"
 #include "tail.h"
 
 #include "../num/bits.h"
@@ -463,6 +468,14 @@ static bool leaves_by_tail(sgt_surface s, rows a, size_t i, sgt_tails *kept)
     return sgt_leaves_by_tail(s, &e, a[T][i], kept);
 }
 
+/* The march goes on from this t, and knows nothing of F there. */
+static void begin_anew(rows a, size_t i, double t)
+{
+    a[T][i] = t, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
+    double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], t);
+    a[WANTED][i] = radius_wanted(r, 0x1p-1000);
+}
+
 /* Is the ray above or below all that is ahead of it?  That costs more than a look.  So it is asked of rays
  * that have just left the surface, and of those on the way out after 4, 8, 16 and 32 looks.  If it is so of a
  * stretch ahead, the march moves to its end, where it begins anew. */
@@ -474,11 +487,7 @@ static bool leaves_by_heights(sgt_surface s, const sgt_ray *ray, rows a, size_t 
     if (!now) return false;
     double clear = sgt_clear_by_heights(heights_about(s, kept), ray, t), inverse = inverse_of_scale(ray->d);
     if (clear == HUGE_VAL || clear > ray->tmax) return true;
-    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) {
-        a[T][i] = clear * inverse, a[A][i] = a[SIGN][i] = a[H][i] = a[RATIO][i] = 0;
-        double r = radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], a[T][i]);
-        a[WANTED][i] = radius_wanted(r, 0x1p-1000);
-    }
+    if (clear * inverse > a[T][i] && a[PAST][i] == HUGE_VAL) begin_anew(a, i, clear * inverse);
     return false;
 }
 
@@ -775,16 +784,65 @@ void sgt_march_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whol
     march_rows(s, left, r, IN_CHORD, whole, HUGE_VAL, NULL, v);
 }
 
+/* The rows that the march is to begin with: of all that are asked, or of those on one side of the edge. */
+static bool is_marched(const vicinity *v, double edge, bool behind, double t, size_t i)
+{
+    if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) return false;
+    return !(edge < HUGE_VAL) || behind == (v->seed[i] < v->tmin[i]);
+}
+
+/* Looks along these rows, from their t on.  Those that begin where they may start on the surface are left to
+ * the march, which knows how to leave it (as stays_off of vicinity.c has it). */
+static void begin_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double *begin,
+                       vicinities *kept, const vicinity *v)
+{
+    double p[3][ALONG_ROWS], f[ALONG_ROWS], g[3][ALONG_ROWS], t[ALONG_ROWS];
+    size_t some = 0, off[ALONG_ROWS];
+    along_says said[ALONG_ROWS];
+    for (size_t j = 0; j < count; j++)
+        for (int c = 0; c < 3; c++) p[c][j] = r->o[c][row[j]];
+    s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {g[0], g[1], g[2]}});
+    for (size_t j = 0; j < count; j++) {
+        size_t i = row[j];
+        double terms = fabs(p[0][j] * g[0][j]) + fabs(p[1][j] * g[1][j]) + fabs(p[2][j]);
+        bool low = begin[i] == v->tmin[i] && starts_low((sgt_vec3){p[0][j], p[1][j], p[2][j]}, begin[i]);
+        if (!low || fabs(f[j]) > 0x1p-32 * terms) off[some] = i, t[some++] = begin[i];
+    }
+    sgt_look_along(s, r, some, off, t, said, kept, v);
+    for (size_t j = 0; j < some; j++) {
+        size_t i = off[j];
+        if (said[j] == ALONG_MISS) is_miss(v, i);
+        if (said[j] == ALONG_CLEAR && v->clear) v->clear[i] = larger(v->clear[i], t[j]);
+        begin[i] = t[j];
+    }
+}
+
+/* The same for all rows that are to be marched along. */
+SGT_NOINLINE
+static void begin_along_all(sgt_surface s, size_t n, const sgt_rays *r, double edge, bool behind,
+                            double *begin, vicinities *kept, const vicinity *v)
+{
+    size_t row[ALONG_ROWS], count = 0;
+    for (size_t i = 0; i <= n; i++) {
+        if (i < n && is_marched(v, edge, behind, begin[i], i)) row[count++] = i;
+        if (count < ALONG_ROWS && i < n) continue;
+        if (count > 0) begin_along(s, r, count, row, begin, kept, v);
+        count = 0;
+    }
+}
+
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
                      const sgt_shared *bare, vicinities *kept, const vicinity *v)
 {
     rows a = v->work;
-    double edge = sqrt(bare->radius2);
+    double edge = sqrt(bare->radius2), begin[VICINITY_MOST];
     size_t left = 0;
+    memcpy(begin, from, n * sizeof *begin);
+    begin_along_all(s, n, &r, edge, behind, begin, kept, v);
+    if (v->told && v->told->stopped) return;
     for (size_t i = 0; i < n; i++) {
-        double t = from[i]; /* perhaps one of the rows */
-        if (!(v->asked[i] > 0) || !(fabs(t) < HUGE_VAL)) continue;
-        if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
+        double t = begin[i];
+        if (!is_marched(v, edge, behind, t, i)) continue;
         sgt_ray ray = row_ray(&r, v, i);
         size_t k = left;
         lay_row(a, k, &ray, i, t, v->seed[i]);
@@ -851,6 +909,16 @@ static void march_rows(sgt_surface s, size_t left, sgt_rays r, march_mode mode, 
                 wings_leave(a, i, --left);
             } else if (verdict == MOVED && !spent) {
                 double t = a[T][i] * scale;
+                if (in_rings && off) {
+                    along_says said;
+                    sgt_look_along(s, &r, 1, &k, &t, &said, kept, v);
+                    if (said == ALONG_MISS) is_miss(v, k);
+                    if (said == ALONG_MISS || said == ALONG_ROOT || (v->told && v->told->stopped)) {
+                        wings_leave(a, i, --left);
+                        continue;
+                    }
+                    if (said == ALONG_CLEAR) begin_anew(a, i, t * inverse_of_scale(ray.d));
+                }
                 if (in_rings) enclose_in(s, edge, known->boxed, &kept->rings, a, i);
                 if (mode == IN_BOX) {
                     if (!(a[T][i] < a[END][i] * (1 - 0x1p-40))) wings_leave(a, i, --left);

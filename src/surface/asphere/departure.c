@@ -111,7 +111,13 @@ static sgt_objection asphere_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+static bool asphere_along(const void *self, sgt_course *out)
+{
+    *out = (sgt_course){2 * (size_t)terms_count(self), true, 0};
+    return true;
+}
+
 const departure sgt_asphere_departure = {
     .at = asphere_at, .rounding = terms_rounding, .bounds = asphere_bounds, .range = sgt_asphere_range,
     .second = asphere_second, .parameters = asphere_parameters, .by_parameter = asphere_by_parameter,
-    .object = asphere_object, .noise = asphere_noise};
+    .object = asphere_object, .noise = asphere_noise, .along = asphere_along};

@@ -476,11 +476,91 @@ static sgt_objection chebyshev_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+/* The noise over a disc that is wider than both norms.  Each factor that T_i, T_i' or the error of T_i is
+ * bounded by in chebyshev_noise_in_box is at most what `in_disc` takes for it.  So the noise is one sum of
+ * the terms' sizes over the disc, not over the square, where T_i T_j may be 2^((i + j) / 2) times that. */
+static double chebyshev_along_off(const void *self, double radius)
+{
+    const sgt_chebyshev *s = self;
+    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
+    entries e = chebyshev_entries(s, &where);
+    double steps = 5.4143 * (double)(s->a.rows + s->a.columns) + chebyshev_sums_of(s), steep = e.px + e.py;
+    double off = SGT_U * (steps * e.size + radius * steep) + 0x1p-46 * radius * steep, noise[2];
+    if (!(radius > FAR_BEYOND * larger(s->norm_x, s->norm_y))) {
+        chebyshev_noise(self, radius, noise);
+        off = noise[0] + 0x1p-46 * radius * steep;
+    }
+    return chebyshev_known(off * (1 + 0x1p-20));
+}
+
+enum { ALONG_TERMS = 40, ALONG_POINTS = 8 };
+
+/* The noise at points with |x| and |y| at most these.  All that chebyshev_noise_in_box takes for [-1, 1] is
+ * at most its value at 1, from where on it increases.  Of degrees below ALONG_TERMS. */
+SGT_NOINLINE
+static void noise_at_points(const sgt_chebyshev *s, const double *restrict x, const double *restrict y,
+                            double *restrict out)
+{
+    double t[ALONG_TERMS][ALONG_POINTS], off[ALONG_TERMS][ALONG_POINTS], v[ALONG_POINTS], w[ALONG_POINTS],
+        now[ALONG_POINTS], u[ALONG_POINTS], p[ALONG_POINTS];
+    const double sums = chebyshev_sums_of(s), k = 5.4143;
+    /* a table without rows may name any number of columns */
+    const size_t rows = s->a.columns > 0 ? s->a.rows : 0, columns = rows > 0 ? s->a.columns : 0;
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+        v[i] = larger(y[i] / s->norm_y, 1) * (1 + 0x1p-50);
+        w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+        p[i] = 0;
+    }
+    for (size_t j = 0; j < columns; j++) {
+        const double degree = (double)j;
+        LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+            double one = now[i], slope = u[i];
+            t[j][i] = one, off[j][i] = degree * (k * one + v[i] * slope);
+            now[i] = v[i] * one - w[i] * slope, u[i] = v[i] * slope + one;
+        }
+    }
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) {
+        v[i] = larger(x[i] / s->norm_x, 1) * (1 + 0x1p-50);
+        w[i] = (1 - v[i]) * (1 + v[i]), now[i] = 1, u[i] = 0;
+    }
+    for (size_t i = 0; i < rows; i++) {
+        const double degree = (double)i, *a = s->a.x + i * columns;
+        double size[ALONG_POINTS], more[ALONG_POINTS];
+        LANES for (size_t l = 0; l < ALONG_POINTS; l++) size[l] = more[l] = 0;
+        for (size_t j = 0; j < columns; j++) {
+            const double c = fabs(a[j]);
+            LANES for (size_t l = 0; l < ALONG_POINTS; l++)
+                size[l] = sgt_fma(c, t[j][l], size[l]), more[l] = sgt_fma(c, off[j][l], more[l]);
+        }
+        LANES for (size_t l = 0; l < ALONG_POINTS; l++) {
+            double one = now[l], slope = u[l], own = degree * (k * one + v[l] * slope) + sums * one;
+            p[l] += own * size[l] + one * more[l];
+            now[l] = v[l] * one - w[l] * slope, u[l] = v[l] * slope + one;
+        }
+    }
+    LANES for (size_t i = 0; i < ALONG_POINTS; i++) out[i] = p[i] * SGT_U * (1 + 0x1p-20);
+}
+
+static void chebyshev_along_noise(const void *self, const double *x, const double *y, double *out)
+{
+    noise_at_points(self, x, y, out);
+}
+
+static bool chebyshev_along(const void *self, sgt_course *out)
+{
+    const sgt_chebyshev *s = self;
+    size_t all = s->a.rows > 0 && s->a.columns > 0 ? s->a.rows + s->a.columns - 2 : 0;
+    *out = (sgt_course){all, false, larger(s->norm_x, s->norm_y)};
+    return true;
+}
+
 static const departure chebyshev_departure = {
     .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds,
     .second = sgt_chebyshev_second, .parameters = chebyshev_parameters,
     .by_parameter = sgt_chebyshev_by_parameter,
     .object = chebyshev_object, .noise = chebyshev_noise,
-    .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along};
+    .noise_in_box = chebyshev_noise_in_box, .bounds_along = chebyshev_bounds_along,
+    .along = chebyshev_along, .along_off = chebyshev_along_off,
+    .along_noise = chebyshev_along_noise};
 
 DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)

@@ -47,6 +47,10 @@ typedef struct bounds { double size, steep, bend; } bounds;
 /* P, dP/dx, dP/dy of n points, n <= DEPARTURE_BLOCK.  No array is NULL, and no two overlap. */
 typedef struct sag_values { double *p, *px, *py; } sag_values;
 
+/* The degree of P along a line, at most; is P a polynomial of r^2?  home: a radius (length) within which all
+ * terms are of one size, as those of orthogonal polynomials are; 0: not known. */
+typedef struct sgt_course { size_t degree; bool even; double home; } sgt_course;
+
 typedef struct departure {
     /* P and its gradient at n points.  Every lane does the same operations in the same order, whatever n is
      * (num/lanes.h).  So a point gives the same bits by itself and among others.  NaN where P is not
@@ -131,6 +135,19 @@ typedef struct departure {
 
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
+
+    /* Along any line P is a polynomial of the length: what is known of it (ray/along.c).  false or NULL: it
+     * is none.  `noise` is offered, and `bounds` holds everywhere. */
+    bool (*along)(const void *self, sgt_course *out);
+
+    /* With `along`: at most the noise within a radius, and 2^-46 times the radius and the gradient there.
+     * NULL: `noise` and `bounds` are asked. */
+    double (*along_off)(const void *self, double radius);
+
+    /* With `along`, if P is much less in some directions than in others: at most the noise where |x| and |y|
+     * are at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is
+     * not. */
+    void (*along_noise)(const void *self, const double x[], const double y[], double out[]);
 
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);

@@ -278,8 +278,30 @@ static sgt_objection xy_object(const void *self)
     return (sgt_objection){reason ? "coefficients" : NULL, reason};
 }
 
+/* Home is the first power of two at which the slopes of all terms may add up to 1. */
+static bool xy_along(const void *self, sgt_course *out)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    double sum[2 * MOST_ROWS] = {0};
+    *out = (sgt_course){0, false, 0};
+    for (size_t i = 0; i < xy_rows_of(a); i++) {
+        xy_row of = xy_row_of(a, i);
+        for (size_t j = 0; j < of.terms; j++) sum[i + j] += fabs(of.a[j]) * (double)(i + j);
+        if (of.terms > 0 && i + of.terms - 1 > out->degree) out->degree = i + of.terms - 1;
+    }
+    if (out->degree < 2) return true;
+    double r = 0x1p-20, slope = 0;
+    for (int k = 0; k < 60 && !(slope >= 1); k++) {
+        r *= 2, slope = 0;
+        for (size_t d = out->degree; d > 1; d--) slope = (slope + sum[d]) * r;
+    }
+    out->home = slope >= 1 && slope < HUGE_VAL ? r : 0;
+    return true;
+}
+
 static const departure polynomial_xy_departure = {
     .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = sgt_xy_second,
-    .parameters = xy_parameters, .by_parameter = sgt_xy_by_parameter, .object = xy_object, .noise = xy_noise};
+    .parameters = xy_parameters, .by_parameter = sgt_xy_by_parameter, .object = xy_object, .noise = xy_noise,
+    .along = xy_along};
 
 DEPARTURE_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

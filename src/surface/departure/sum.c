@@ -145,11 +145,26 @@ static sgt_objection sum_object(const void *self)
     return fine;
 }
 
+static bool sum_along(const void *self, sgt_course *out)
+{
+    const sgt_sum *s = self;
+    *out = (sgt_course){0, true, 0};
+    for (size_t k = 0; k < s->count; k++) {
+        const departure *term = of(&s->terms[k]);
+        sgt_course own;
+        if (!term->along || !term->noise || !term->along(s->terms[k].self, &own)) return false;
+        if (own.degree > out->degree) out->degree = own.degree;
+        if (!(out->home > 0) || (own.home > 0 && own.home < out->home)) out->home = own.home;
+        out->even = out->even && own.even;
+    }
+    return true;
+}
+
 static const departure sum_departure = {
     .at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .range = sum_range,
     .second = sgt_sum_second,
     .parameters = sum_parameters, .by_parameter = sgt_sum_by_parameter, .object = sum_object,
     .noise = sum_noise,
-    .tail = sum_tail};
+    .tail = sum_tail, .along = sum_along};
 
 DEPARTURE_ON_CONIC(sum, sgt_sum)

@@ -552,9 +552,18 @@ static sgt_objection zernike_object(const void *self)
     return object_to_list("coefficients", z->a, MOST_TERMS, "must be at most 5151 numbers");
 }
 
+static bool zernike_along(const void *self, sgt_course *out)
+{
+    const sgt_zernike *z = self;
+    double sum[MOST_DEGREE + 1];
+    size_t degrees = by_degree(z, sum);
+    *out = (sgt_course){degrees > 0 ? degrees - 1 : 0, false, z->norm};
+    return true;
+}
+
 static const departure zernike_departure = {
     .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = sgt_zernike_second,
     .parameters = zernike_parameters, .by_parameter = sgt_zernike_by_parameter, .object = zernike_object,
-    .noise = zernike_noise, .bent = sgt_zernike_bent};
+    .noise = zernike_noise, .bent = sgt_zernike_bent, .along = zernike_along};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)
