@@ -54,6 +54,7 @@ SGT_INLINE void walk_begin(walk *w, sgt_surface s, const sgt_ray *ray, const sgt
     w->told = (tally){.opt = opt, .evals = 0, .before = 0, .root = 0,
                       .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .stopped = false};
     w->all = w->found = w->from_tmin = w->defined = w->uncertain = w->off = w->nearby = false;
+    w->shared.ahead = false; /* asked of a surface that shares nothing, too */
     w->t_tol = w->lo = w->hi = w->lowest = w->highest = w->least = w->steep = w->margin = 0;
     w->rim2 = HUGE_VAL;
 }

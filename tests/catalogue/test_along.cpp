@@ -284,6 +284,27 @@ void check(generator &g, int kind, int surfaces, counts *all)
     }
 }
 
+// A table of Chebyshev terms without rows or without columns may name any number of the other.
+void empty_tables()
+{
+    const double none[1] = {0};
+    for (int way = 0; way < 2; way++) {
+        const sgt_numbers a = {none, way ? 64U : 0U, way ? 0U : 64U};
+        const sgt_chebyshev empty = {-0.05, -1, 0, 3, 4, a};
+        const sgt_conic base = {-0.05, -1, 0};
+        generator g(3);
+        for (int i = 0; i < 300; i++) {
+            const sgt_ray ray = {{g.uniform(-30, 30), g.uniform(-30, 30), g.uniform(-30, 30)},
+                                 {g.uniform(-1, 1), g.uniform(-1, 1), g.uniform(-1, 1)}, 0, INFINITY};
+            const sgt_hit h = sgt_intersect({&sgt_chebyshev_ops, &empty}, ray, nullptr),
+                          conic = sgt_intersect({&sgt_conic_ops, &base}, ray, nullptr);
+            const bool met = h.status == SGT_HIT && std::fabs(h.t - conic.t) <= h.t_err + conic.t_err;
+            if (h.status >= 0 && (h.status != conic.status || (h.status == SGT_HIT && !met)))
+                failed["a table without terms is not its base"]++;
+        }
+    }
+}
+
 } // namespace
 
 int main()
@@ -303,6 +324,7 @@ int main()
                     static_cast<double>(all.by_misses) / static_cast<double>(all.misses), all.undecided);
         if (all.undecided * 10 > all.rays) failed["too many are undecided"]++;
     }
+    empty_tables();
     for (const auto &f : failed) std::printf("%s: %d times\n", f.first.c_str(), f.second);
     return !failed.empty();
 }

@@ -673,7 +673,8 @@ SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, l
     mask others = 0;
     for (size_t i = 0; i < tile->n; i++) others -= ~room->away[i];
     if (16 * others > tile->n)
-        (lane_wish_of(tile) < LANE_FINE ? sgt_conic_lanes_left : sgt_conic_lanes_left_rich)(s, tile, to, room);
+        (lane_wish_of(tile) < LANE_FINE ? sgt_conic_lanes_left : sgt_conic_lanes_left_rich)(
+            s, tile, to, room);
     else
         lane_nothing(tile), hit = NONE;
     const size_t left = side_status(tile, hit, room->away, NONE);

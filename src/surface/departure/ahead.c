@@ -87,10 +87,11 @@ bool sgt_ahead_poly_keeps(const ahead_poly *p, double t, double sign)
 
 /* -------------------------------------------------------------------------- the march */
 
-/* G at the two ends, certainly at least this far from zero; the length; s G'' and |G''| at most. */
+/* G at the two ends, certainly at least this far from zero; the length; s G'' and |G''| at most.  A NaN tells
+ * nothing. */
 static bool stays_clear(double a, double b, double h, double most)
 {
-    return !(most > 0) || h * sqrt(0.5 * most) * (1 + 0x1p-20) < sqrt(a) + sqrt(b);
+    return most <= 0 || h * sqrt(0.5 * most) * (1 + 0x1p-20) < sqrt(a) + sqrt(b);
 }
 
 static bool parted(double a, double b, double h, double most)
@@ -110,7 +111,7 @@ static double step_guessed(double a, double fall, double most, double bend, doub
 
 /* How far behind the first of two points of unlike signs the root is, as the parabola has it that has G at
  * both and G' at the first. */
-static double root_between(const ahead_look *a, const ahead_look *b, double h)
+static double root_of_ends(const ahead_look *a, const ahead_look *b, double h)
 {
     double secant = h * (a->g / (a->g - b->g)), bend = (b->g - a->g - a->slope * h) / (h * h),
            root = sqrt(a->slope * a->slope - 4 * bend * a->g), up = copysign(root, b->g - a->g),
@@ -183,7 +184,7 @@ sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ah
         const double b = fabs(next.g) - next.err, greatest = larger(-over.bend.lo, over.bend.hi),
                      most = sign > 0 ? over.bend.hi : -over.bend.lo, fall = -sign * at.slope;
         const bool like = b > 0 && sign * next.g > 0, unlike = certain && b > 0 && sign * next.g < 0;
-        double root = unlike ? root_between(&at, &next, h) : h;
+        double root = unlike ? root_of_ends(&at, &next, h) : h;
         moves = moves || (certain && like && stays_clear(a, b, h, most));
         if (unlike && !moves && parted(a, b, h, greatest)) {
             double past = ops->off(w, t + root, t + root) ? past_root(ops, w, t, root, h, sign) : 0;

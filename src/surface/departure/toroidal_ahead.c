@@ -192,7 +192,7 @@ static ahead_over toroidal_way_over(const void *self, double from, double to)
     double by = 2 * w->dy * w->dy, twice = 2 * w->rest.c[2],
            off = AHEAD_LOST * (2 * w->rest.most[2] + by * (bends * most + fabs(c_x) * steep2)) + AHEAD_LEAST;
     sgt_interval bend = {twice + by * lo - off, twice + by * hi + off};
-    if (!(bends < HUGE_VAL && slopes < HUGE_VAL)) bend = (sgt_interval)SGT_ANY_NUMBER;
+    if (!(bends < HUGE_VAL && steep2 < HUGE_VAL)) bend = (sgt_interval)SGT_ANY_NUMBER;
     return (ahead_over){g, bend, false};
 }
 

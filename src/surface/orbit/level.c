@@ -349,7 +349,7 @@ static bool ahead_waits(const ahead_f *s)
     return i >= 0 && s->verdict[i] == LIVE;
 }
 
-SGT_INLINE void look_ahead(ahead_f *s, const ray_f *ray, const march_f *set, bool mandelbrot)
+SGT_INLINE void march_ahead(ahead_f *s, const ray_f *ray, const march_f *set, bool mandelbrot)
 {
     const ray_f r = *ray;
     const march_f w = *set;
@@ -377,11 +377,11 @@ SGT_INLINE void look_ahead(ahead_f *s, const ray_f *ray, const march_f *set, boo
 
 SGT_KERNEL static void ahead_julia(ahead_f *s, const ray_f *r, const march_f *w)
 {
-    look_ahead(s, r, w, false);
+    march_ahead(s, r, w, false);
 }
 SGT_KERNEL static void ahead_mandelbrot(ahead_f *s, const ray_f *r, const march_f *w)
 {
-    look_ahead(s, r, w, true);
+    march_ahead(s, r, w, true);
 }
 
 /* Lays cell 0 and those that may follow. */
