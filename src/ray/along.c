@@ -778,7 +778,8 @@ SGT_INLINE bool along_offered(sgt_surface s, sgt_course *course)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const departure *of = builtin->departure;
-    if (!of || !of->along || !of->noise || !builtin->base || builtin->rim(s.self) > 0) return false;
+    if (!of || !of->along || !of->noise || !builtin->base) return false;
+    if (rim2_of(builtin->rim(s.self)) < HUGE_VAL) return false;
     return of->along(s.self, course) && course->degree < ALONG_MOST;
 }
 

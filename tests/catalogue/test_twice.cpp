@@ -233,10 +233,10 @@ void ask_first(const question &q, const sgt_ray &ray, sgt_proof proof, const lis
             if (same || e.status > 0) break;
         }
     // the march through the wings spends evaluations that `all` does not, and shows misses that `all` has
-    // not the evaluations for; so do the heights of a surface without an end, where enclosures leave what
-    // is far out
+    // not the evaluations for (a polynomial along the ray under proof, too); so do the heights of a surface
+    // without an end, where enclosures leave what is far out
     const bool exhausted = h.status == SGT_EXHAUSTED || (h.status == SGT_MISS && all.hits[0].status < 0);
-    if (!same && exhausted && proof == SGT_ESTIMATE &&
+    if (!same && exhausted && (proof == SGT_ESTIMATE || h.status == SGT_MISS) &&
         ++counted["first exhausted"] <= counted["first"] / 1000 + 1)
         return;
     if (same) return;

@@ -22,10 +22,10 @@
  * FROM THERE the terms of the equation do not cancel.  The coordinates are known to 4 u^2 of themselves, as
  * X.hi + X.lo.  C is summed with the errors of its products and sums (Ogita, Rump, Oishi 2005, SIAM J. Sci.
  * Comput. 26, 1955): it is off by u |C| and by
- *     51 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
- *         of what is lost, 11 u in all, 24,
+ *     53 u^2 |c| (X^2 + Y^2 + |1 + k| Z^2): the coordinates 8, the parts of (1 + k) Z^2 19 at most, the sum
+ *         of what is lost, 12 u in all, 26,
  *     9 u^2 of the same by the product with c, and 15 u^2 (|c| (...) + 2 |Z|) by the sums with -2 Z,
- * together by 77 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
+ * together by 79 u^2 Ca; 128 is taken.  With e = A C / B^2 the root is
  *     tau = B / A (1 - sqrt(1 - e)) = C / B (1/2 + e / 8 + e^2 / 16 + ...),
  * and |e| <= 2^-13 leaves 2^-42 of it.  B is off by 7 u Ba.  So where Ba <= 2^12 |B| the quotient is right to
  * 2^16 u, and tau is off by 64 u^2 Ca / |B| more.  An ulp of t has to be small beside the distance of the
@@ -190,7 +190,7 @@ SGT_INLINE side_left side_root_at(const bowl *s, bool first, bool quick, double 
             kzz = two_product(kz.hi, Z.hi), r2 = two_sum(xx.hi, yy.hi), all = two_sum(r2.hi, kzz.hi),
             bent = two_product(s->c, all.hi), rest = two_sum(bent.hi, -2 * Z.hi);
     double kz_lo = sgt_fma(s->k1, Z.lo, sgt_fma(s->k1_lo, Z.hi, kz.lo)),
-           half = sgt_fma(X.hi, X.lo, Y.hi * Y.lo),
+           half = X.hi * X.lo + Y.hi * Y.lo, /* x and y alike */
            lo = sgt_fma(2, half, xx.lo + yy.lo) + sgt_fma(kz.hi, Z.lo, sgt_fma(kz_lo, Z.hi, kzz.lo)),
            C = rest.hi +
                (sgt_fma(-2, Z.lo, rest.lo) + sgt_fma(s->c, (r2.lo + all.lo) + lo, bent.lo));

@@ -116,11 +116,11 @@ static double biconic_way_ends(const biconic_way *w, double from, double to)
     return end > from && end < to && sgt_ahead_poly_keeps(&w->inside, end, -1) ? end : to;
 }
 
-sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead)
+sgt_ahead_kind sgt_biconic_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead)
 {
     static const ahead_ops ops = {biconic_way_at, biconic_way_over, biconic_way_off, biconic_way_tail,
                                   biconic_way_start};
-    const sgt_biconic *b = self;
+    const sgt_biconic *b = s->self;
     if (!ahead_usual(ray, b->c_x, b->c_y)) return AHEAD_OPEN;
     const double bx = (1 + b->k_x) * b->c_x, by = (1 + b->k_y) * b->c_y;
     const ahead_poly x2 = square_of(ray->o.x, ray->d.x), y2 = square_of(ray->o.y, ray->d.y),

@@ -51,6 +51,8 @@ typedef struct sag_values { double *p, *px, *py; } sag_values;
  * terms are of one size, as those of orthogonal polynomials are; 0: not known. */
 typedef struct sgt_course { size_t degree; bool even; double home; } sgt_course;
 
+struct departure_sag;
+
 typedef struct departure {
     /* P and its gradient at n points.  Every lane does the same operations in the same order, whatever n is
      * (num/lanes.h).  So a point gives the same bits by itself and among others.  NaN where P is not
@@ -131,7 +133,7 @@ typedef struct departure {
 
     /* `ahead` of sgt_builtin_ops, of the sag without a rim and without a base of its own.  NULL: nothing is
      * known. */
-    sgt_ahead_kind (*ahead)(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+    sgt_ahead_kind (*ahead)(const struct departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
 
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
@@ -213,10 +215,9 @@ void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_
 sgt_objection sgt_departure_object(const departure_sag *s);
 
 /* Of one type each (biconic_ahead.c, grid_ahead.c, toroidal_ahead.c). */
-sgt_ahead_kind sgt_biconic_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
-departure_sag sgt_grid_sag(const sgt_grid *g);
-sgt_ahead_kind sgt_grid_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
-sgt_ahead_kind sgt_toroidal_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+sgt_ahead_kind sgt_biconic_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
+sgt_ahead_kind sgt_grid_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
+sgt_ahead_kind sgt_toroidal_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
 
 /* Helper for `object`: are all n numbers finite?  Asked for each ray that comes alone. */
 SGT_INLINE bool numbers_finite(size_t n, const double *x)
@@ -288,7 +289,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  sgt_ahead_kind NAME##_ops_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead),    \
-                 return looks_ahead(&v) ? v.of->ahead(v.self, ray, ahead) : AHEAD_OPEN)                      \
+                 return looks_ahead(&v) ? v.of->ahead(&v, ray, ahead) : AHEAD_OPEN)                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
                                            double e1[]),                                                     \

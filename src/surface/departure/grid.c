@@ -327,7 +327,7 @@ static const departure grid_departure = {
     .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise,
     .ahead = sgt_grid_ahead, .framed = true};
 
-departure_sag sgt_grid_sag(const sgt_grid *g)
+static departure_sag grid_on_conic(const sgt_grid *g)
 {
     double across = axis_of(g->step_x, g->z.columns).edge, along = axis_of(g->step_y, g->z.rows).edge;
     return (departure_sag){.c = g->c, .k = g->k, .semi_diameter = g->semi_diameter, .base = true,
@@ -335,4 +335,4 @@ departure_sag sgt_grid_sag(const sgt_grid *g)
                            .reach = length_of(across, along) * (1 + 0x1p-50)};
 }
 
-DEPARTURE_OPS(grid, sgt_grid, sgt_grid_sag)
+DEPARTURE_OPS(grid, sgt_grid, grid_on_conic)

@@ -128,14 +128,14 @@ static bool grid_way_start(const void *self, double t, double f, double least, a
     return true;
 }
 
-sgt_ahead_kind sgt_grid_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead)
+sgt_ahead_kind sgt_grid_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead)
 {
     static const ahead_ops ops = {grid_way_at, grid_way_over, grid_way_off, grid_way_tail, grid_way_start};
-    const sgt_grid *g = self;
+    const sgt_grid *g = s->self;
     if (!(g->height > 0) || !ahead_usual(ray, g->c, g->step_x)) return AHEAD_OPEN;
     const ahead_poly x = ahead_linear(ray->o.x, ray->d.x), y = ahead_linear(ray->o.y, ray->d.y);
     grid_way w = {.g = g,
-                  .sag = sgt_grid_sag(g),
+                  .sag = *s,
                   .o = ray->o,
                   .d = ray->d,
                   .edge_x = 0.5 * (double)(g->z.columns - 1) * g->step_x,

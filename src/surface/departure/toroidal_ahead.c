@@ -259,11 +259,11 @@ static double toroidal_way_ends(const toroidal_way *w, double from, double to)
     return to;
 }
 
-sgt_ahead_kind sgt_toroidal_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead)
+sgt_ahead_kind sgt_toroidal_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead)
 {
     static const ahead_ops ops = {toroidal_way_at, toroidal_way_over, toroidal_way_off, toroidal_way_tail,
                                   toroidal_way_start};
-    const sgt_toroidal *a = self;
+    const sgt_toroidal *a = s->self;
     if (!ahead_usual(ray, a->c, a->c_x)) return AHEAD_OPEN;
     const ahead_poly x = ahead_linear(ray->o.x, ray->d.x), z = ahead_linear(ray->o.z, ray->d.z);
     toroidal_way w = {.a = a,
