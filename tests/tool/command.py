@@ -5,6 +5,7 @@ Each test is a script, `python3 test_NAME.py SAGITTA`, of functions whose names 
 with `test_`; `main` runs them all and says which failed.
 """
 import csv
+import datetime
 import io
 import itertools
 import os
@@ -88,15 +89,21 @@ def close(got, wanted, within, what=''):
 folder = tempfile.TemporaryDirectory()
 
 
-def main(names):
+def main(names, halved=True):
+    """halved=False: its functions hang together, by the random numbers that they draw."""
     failed = 0
-    for name, test in list(names.items()):
-        if name.startswith('test_'):
-            try:
-                test()
-            except Exception:
-                failed += 1
-                print(f'FAILED {name}: {test.__doc__ or ""}\n{traceback.format_exc()}')
-            else:
-                print(f'ok     {name}')
+    tests = [(name, test) for name, test in names.items() if name.startswith('test_')]
+    # Under sanitizers the start of a command takes ten times as long: every other function, by day the others.
+    if halved and SCALE < 0.1 and len(tests) > 3:
+        half = int(os.environ.get('SAGITTA_TEST_HALF', datetime.date.today().toordinal())) % 2
+        print(f'SAGITTA_TEST_HALF={half}: {len(tests[half::2])} of {len(tests)} functions')
+        tests = tests[half::2]
+    for name, test in tests:
+        try:
+            test()
+        except Exception:
+            failed += 1
+            print(f'FAILED {name}: {test.__doc__ or ""}\n{traceback.format_exc()}')
+        else:
+            print(f'ok     {name}')
     sys.exit(1 if failed else 0)

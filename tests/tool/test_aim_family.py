@@ -304,4 +304,4 @@ def test_the_root_that_the_lens_means():
         equal(len(got), 1), close(got[0]['y'], -radius, 1e-11 * radius)
 
 
-main(globals())
+main(globals(), halved=False)
