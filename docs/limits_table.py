@@ -17,7 +17,7 @@ import time
 
 import tables
 
-ROUNDS = 3
+ROUNDS = 2
 FILES_ROWS = 2_000_000
 QUICK = ['--benchmark_repetitions=3', '--benchmark_min_time=0.05']
 BATCH = ['--benchmark_filter=^(conic|sphere|plane|asphere)-1e[36]/(batch|copy|copy-by-array|closed-form-arrays|newton-arrays)']

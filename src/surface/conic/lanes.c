@@ -199,18 +199,18 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, lane_wis
     return lane_told(tile, &room->ends, 1, all);
 }
 
-#define NARROW_LANES_NEARBY(name, plane, first, wish)                                           \
+#define LANES_NEARBY(name, plane, first, wish)                                                  \
     SGT_KERNEL                                                                                  \
-    SGT_NARROW(size_t, name, (const bowl *s, const sgt_tile *tile, bowl_room *room))            \
+    static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)                    \
     {                                                                                           \
         return lane_nearby(s, plane, first, wish, tile, room);                                  \
     }
 
-NARROW_LANES_NEARBY(sgt_conic_lanes_plane_nearby, true, false, LANE_RICH)
-NARROW_LANES_NEARBY(sgt_conic_lanes_near_nearby, false, false, LANE_PLAIN)
-NARROW_LANES_NEARBY(sgt_conic_lanes_near_nearby_rich, false, false, LANE_RICH)
-NARROW_LANES_NEARBY(sgt_conic_lanes_first_nearby, false, true, LANE_PLAIN)
-NARROW_LANES_NEARBY(sgt_conic_lanes_first_nearby_rich, false, true, LANE_RICH)
+LANES_NEARBY(conic_lanes_plane_nearby, true, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_near_nearby, false, false, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_near_nearby_rich, false, false, LANE_RICH)
+LANES_NEARBY(conic_lanes_first_nearby, false, true, LANE_PLAIN)
+LANES_NEARBY(conic_lanes_first_nearby_rich, false, true, LANE_RICH)
 
 /* What leaves_from knows of a tile. */
 typedef struct leave_room {
@@ -359,23 +359,23 @@ SGT_INLINE void lane_side_plain(const bowl *self, bool first, bool quick, const 
 }
 
 SGT_KERNEL
-SGT_NARROW(side_guesses, sgt_conic_lanes_guess_first, (const bowl *s, const sgt_tile *tile, side_room *r))
+static side_guesses conic_lanes_guess_first(const bowl *s, const sgt_tile *tile, side_room *r)
 {
     return lane_guess(s, true, tile, r);
 }
 SGT_KERNEL
-SGT_NARROW(side_guesses, sgt_conic_lanes_guess_near, (const bowl *s, const sgt_tile *tile, side_room *r))
+static side_guesses conic_lanes_guess_near(const bowl *s, const sgt_tile *tile, side_room *r)
 {
     return lane_guess(s, false, tile, r);
 }
 
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_side_first, (const bowl *s, const sgt_tile *tile, lane_to to, side_room *r))
+static void conic_lanes_side_first(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
 {
     lane_side(s, true, tile, to, r);
 }
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_side_near, (const bowl *s, const sgt_tile *tile, lane_to to, side_room *r))
+static void conic_lanes_side_near(const bowl *s, const sgt_tile *tile, lane_to to, side_room *r)
 {
     lane_side(s, false, tile, to, r);
 }
@@ -393,7 +393,7 @@ LANES_SIDE(conic_lanes_side_near_quick, false, true)
 
 static side_guesses conic_lanes_guess(const bowl *s, bool first, const sgt_tile *tile, side_room *r)
 {
-    return (first ? sgt_conic_lanes_guess_first : sgt_conic_lanes_guess_near)(s, tile, r);
+    return (first ? conic_lanes_guess_first : conic_lanes_guess_near)(s, tile, r);
 }
 
 /* room: NULL, or free for what loops leave for each other. */
@@ -406,14 +406,14 @@ static void conic_lanes_side(const bowl *s, bool first, bool quick, const sgt_ti
     else if (plain && first)
         conic_lanes_side_first_plain(s, tile, to, r, room);
     else
-        (first ? sgt_conic_lanes_side_first : sgt_conic_lanes_side_near)(s, tile, to, r);
+        (first ? conic_lanes_side_first : conic_lanes_side_near)(s, tile, to, r);
 }
 
 /* first_from_on.  start: which rays it has the first word for (starts_on, and a first root is asked for);
  * then nothing else is tried for them.  Of the others it answers those that have no answer yet. */
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_on,
-           (const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away, mask *tried))
+static void conic_lanes_on(const bowl *self, const sgt_tile *tile, const mask *start, lane_to to, mask *away,
+                           mask *tried)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -480,14 +480,12 @@ SGT_INLINE void lane_left(const bowl *self, lane_wish wish, const sgt_tile *tile
 }
 
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_left,
-           (const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room))
+static void conic_lanes_left(const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room)
 {
     lane_left(s, LANE_PLAIN, tile, to, room);
 }
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_left_rich,
-           (const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room))
+static void conic_lanes_left_rich(const bowl *s, const sgt_tile *tile, lane_to to, const leave_room *room)
 {
     lane_left(s, LANE_RICH, tile, to, room);
 }
@@ -521,7 +519,7 @@ static void conic_lanes_behind(const bowl *self, size_t count, const sgt_rays *f
 
 /* The first roots of rays that start on the surface, and of no others. */
 SGT_KERNEL
-SGT_NARROW(void, sgt_conic_lanes_started, (const bowl *self, const sgt_tile *tile, lane_to to, mask *away))
+static void conic_lanes_started(const bowl *self, const sgt_tile *tile, lane_to to, mask *away)
 {
     const bowl own = *self, *s = &own;
     const sgt_rays rows = tile->rays;
@@ -568,7 +566,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
     lane_to to = lane_to_of(tile, &r.ends);
     conic_lanes_guess(s, first, tile, &r);
     conic_lanes_side(s, first, false, tile, to, &r, NULL);
-    if (start) sgt_conic_lanes_on(s, tile, start, to, r.away, tried);
+    if (start) conic_lanes_on(s, tile, start, to, r.away, tried);
     return side_status(tile, r.ends.hit, r.away, tried);
 }
 
@@ -576,7 +574,7 @@ SGT_NOINLINE static size_t conic_lanes_beside(const bowl *s, bool first, const s
 SGT_NOINLINE static size_t conic_lanes_on_first(const bowl *s, const sgt_tile *tile, mask *away)
 {
     lane_ends ends;
-    sgt_conic_lanes_started(s, tile, lane_to_of(tile, &ends), away);
+    conic_lanes_started(s, tile, lane_to_of(tile, &ends), away);
     return side_status(tile, ends.hit, away, NONE);
 }
 
@@ -673,7 +671,7 @@ SGT_NOINLINE static size_t lane_left_over(const bowl *s, const sgt_tile *tile, l
     mask others = 0;
     for (size_t i = 0; i < tile->n; i++) others -= ~room->away[i];
     if (16 * others > tile->n)
-        (lane_wish_of(tile) < LANE_FINE ? sgt_conic_lanes_left : sgt_conic_lanes_left_rich)(
+        (lane_wish_of(tile) < LANE_FINE ? conic_lanes_left : conic_lanes_left_rich)(
             s, tile, to, room);
     else
         lane_nothing(tile), hit = NONE;
@@ -743,9 +741,9 @@ static bool one_loop(const sgt_tile *tile) { return tile->far || tile->n < 16; }
 static size_t lane_near(const bowl *s, lane_wish wish, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     bool rich = wish >= LANE_FINE, fine = wish == LANE_FINE, bare = wish == LANE_BARE;
-    if (nearby && s->c == 0) return sgt_conic_lanes_plane_nearby(s, tile, room);
+    if (nearby && s->c == 0) return conic_lanes_plane_nearby(s, tile, room);
     if (nearby)
-        return (rich ? sgt_conic_lanes_near_nearby_rich : sgt_conic_lanes_near_nearby)(s, tile, room);
+        return (rich ? conic_lanes_near_nearby_rich : conic_lanes_near_nearby)(s, tile, room);
     if (s->c == 0 && s->proof)
         return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
     if (bare && !s->proof)
@@ -764,7 +762,7 @@ static size_t lane_first(const bowl *s, lane_wish wish, bool nearby, const sgt_t
 {
     bool rich = wish >= LANE_FINE;
     if (nearby)
-        return (rich ? sgt_conic_lanes_first_nearby_rich : sgt_conic_lanes_first_nearby)(s, tile, room);
+        return (rich ? conic_lanes_first_nearby_rich : conic_lanes_first_nearby)(s, tile, room);
     if (s->proof)
         return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
     if (one_loop(tile))

@@ -180,7 +180,7 @@ SGT_NARROW(void, sgt_q_con_second,
 
 /* P'' along the radius and P'/r across it are polynomials of v, of degree `terms` at most.  They are summed
  * to less than 2^-30 of `most`, the sum of the bounds of their terms (16 of them; Clenshaw, as in q.h). */
-SGT_NARROW(bool, sgt_q_con_bent, (const void *self, double radius, double most, sgt_interval *out))
+static bool q_con_bent(const void *self, double radius, double most, sgt_interval *out)
 {
     const sgt_q_con *s = self;
     const size_t nodes = SAMPLES_A_DEGREE * q_terms(s->a);
@@ -226,6 +226,6 @@ static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = sgt_q_con_second,
     .parameters = con_parameters, .by_parameter = sgt_q_con_by_parameter, .object = con_object,
     .noise = con_noise,
-    .tail = con_tail, .bent = sgt_q_con_bent};
+    .tail = con_tail, .bent = q_con_bent};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

@@ -526,7 +526,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     return 1;
 }
 
-SGT_NARROW(bool, sgt_zernike_bent, (const void *self, double radius, double most, sgt_interval *out))
+static bool zernike_bent(const void *self, double radius, double most, sgt_interval *out)
 {
     const sgt_zernike *z = self;
     double sum[MOST_DEGREE + 1], x[DEPARTURE_BLOCK] = {0}, y[DEPARTURE_BLOCK] = {0}, at[DEPARTURE_BLOCK];
@@ -564,6 +564,6 @@ static bool zernike_along(const void *self, sgt_course *out)
 static const departure zernike_departure = {
     .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = sgt_zernike_second,
     .parameters = zernike_parameters, .by_parameter = sgt_zernike_by_parameter, .object = zernike_object,
-    .noise = zernike_noise, .bent = sgt_zernike_bent, .along = zernike_along};
+    .noise = zernike_noise, .bent = zernike_bent, .along = zernike_along};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)
