@@ -17,7 +17,7 @@ import time
 
 import tables
 
-ROUNDS = 2
+ROUNDS = 1
 FILES_ROWS = 2_000_000
 QUICK = ['--benchmark_repetitions=3', '--benchmark_min_time=0.05']
 BATCH = ['--benchmark_filter=^(conic|sphere|plane|asphere)-1e[36]/(batch|copy|copy-by-array|closed-form-arrays|newton-arrays)']
@@ -37,8 +37,8 @@ def numbers(build):
         for begin, line in enumerate(lines):
             if line.startswith('type;surface;'):
                 for one in csv.DictReader(lines[begin:], delimiter=';'):
-                    if one['times'] != '-':
-                        found['times', one['surface'], ''] = float(one['times'])
+                    if one['formula'] != '-':
+                        found['times', one['surface'], ''] = float(one['first']) / float(one['formula'])
                     found['catalogue', one['surface'], 'one ray'] = float(one['one-first'])
     return found
 
@@ -55,7 +55,7 @@ def rows():
         yield (f'asphere, 3 terms, {size} rays', ('batch', f'asphere-{size}', 'batch'),
                [('batch', f'asphere-{size}', 'newton-arrays')], "Newton's by hand, no bound", 6.8)
     for surface in CATALOGUE:
-        yield f'{surface}: over its formula', ('times', surface, ''), [], 'its formula, as often: 1', 3.0
+        yield f'{surface}: formulas a ray', ('times', surface, ''), [], 'three evaluations: 3', 9.0
     for case, goal in (('plane', 15), ('conic', 30), ('asphere', 70)):
         yield (f'{case}, one ray', ('one_ray', case, 'sagitta'),
                [('one_ray', case, 'boost-newton_raphson_iterate-31-bits')], "Boost's Newton, 31 bits", goal)
