@@ -25,8 +25,8 @@ COMMENT = re.compile(r'/\*.*?\*/', re.DOTALL)
 DEFINED = re.compile(r'^(?!static\b|typedef\b|extern\b|SGT_INLINE\b)[A-Za-z_][\w *]*?\b(sgt_\w+)\s*'
                      r'(?:\([^;{]*?\)\s*\{|(?:\[[^\]]*\])?\s*=)', re.MULTILINE)
 MACRO = re.compile(r'^#define (\w+)\((\w+)[^)]*\)((?:[^\n]*\\\n)*[^\n]*)', re.MULTILINE)
-# Of num/exact.h; a file may have macros of its own for it.
-NARROWED = re.compile(r'^(?:SGT_NARROW\([^,]*,\s*|NARROW_\w+\()(sgt_\w+),', re.MULTILINE)
+# Of num/exact.h.
+NARROWED = re.compile(r'^SGT_NARROW\([^,]*,\s*(sgt_\w+),', re.MULTILINE)
 TYPE = re.compile(r'^TYPE\([^,]*,[^,]*,\s*(\w+),\s*([\w/]+\.c)', re.MULTILINE)
 
 HEAD = '''/* Each name that leaves its file, with the name of the set at its end; printed by src/dispatch/names.py. */

@@ -8,7 +8,7 @@
 // been lost.  Starts are points of the surface as the formula has them, or hits; directions of the whole
 // sphere, and along the surface.  Each batch of 200 has to answer as the single rays do, to the last bit and
 // evaluation.
-#include "../ends.h"
+#include "as_batch.h"
 #include "specimens.h"
 
 #include <algorithm>
@@ -93,33 +93,16 @@ bool passed_over(const specimen &s, const formula<quad> &exact, const sgt_ray &r
 void ask(const char *type, const specimen &s, const std::vector<sgt_ray> &rays, const formula<double> &rough)
 {
     const formula<quad> exact(s.s);
-    const std::size_t n = rays.size();
-    std::vector<double> in[8], t(n), t_err(n);
-    std::vector<sgt_status> status(n);
-    std::vector<int> evals(n);
-    for (const sgt_ray &r : rays) {
-        const double of[] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, end_of(&r)};
-        for (int k = 0; k < 8; k++) in[k].push_back(of[k]);
-    }
-    sgt_hits hits = {};
-    hits.status = status.data(), hits.evals = evals.data(), hits.t = t.data(), hits.t_err = t_err.data();
-    sgt_intersect_batch(s.s, n,
-                        {{in[0].data(), in[1].data(), in[2].data()},
-                         {in[3].data(), in[4].data(), in[5].data()},
-                         in[6].data(),
-                         in[7].data()},
-                        hits, nullptr);
-    for (std::size_t i = 0; i < n; i++) {
+    const as_batch batch(s.s, rays);
+    for (std::size_t i = 0; i < rays.size(); i++) {
         const sgt_ray &r = rays[i];
         const sgt_hit one = sgt_intersect(s.s, r, nullptr);
-        const bool same = one.status == status[i] && one.evals == evals[i] &&
-                          (one.status <= 0 || (std::memcmp(&one.t, &t[i], sizeof t[i]) == 0 &&
-                                               std::memcmp(&one.t_err, &t_err[i], sizeof t[i]) == 0));
+        const bool same = batch.same(i, one);
         all.rays++, all.hits += one.status > 0, all.misses += one.status == SGT_MISS;
         all.undecided += one.status < 0;
         if (!same && all.differ++ < 3)
             std::printf("%s: %s by %d evaluations, in a batch %s by %d\n", type, sgt_status_text(one.status),
-                        one.evals, sgt_status_text(status[i]), evals[i]);
+                        one.evals, sgt_status_text(batch.status[i]), batch.evals[i]);
         if (one.status < 0) continue;
         double last = NAN, f_last = NAN;
         for (double at : places(r, s.h, one.status > 0 ? one.t - 4 * one.t_err : r.tmax)) {
