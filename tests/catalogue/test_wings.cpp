@@ -98,7 +98,7 @@ bool earlier(const formula<quad> &f, const sgt_ray &r, quad to)
     return before == CHANGES || (before && sign(along(f, r, to)) == -before);
 }
 
-// Has F more than one sign from the start to where the ray ends, or F is defined no more, as far as 600 points
+// Has F more than one sign from the start to where the ray ends, or F is no more, as far as 600 points
 // tell?
 bool changes(const formula<quad> &f, const sgt_ray &r, double h)
 {
