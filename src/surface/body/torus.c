@@ -474,7 +474,7 @@ static void end_firsts(const torus_parting *c, double least, size_t n, double *r
 
 /* Do cubes of these lengths (a spindle: fourth powers), and squares with what is lost in them, stay in the
  * range of doubles?  If they do not the search tells nothing, neither a root nor that there is none. */
-static bool in_range(const torus_ring *s)
+static bool torus_in_range(const torus_ring *s)
 {
     const double most = s->spindle ? 0x1p240 : 0x1p330;
     return s->R + s->r < most && larger(s->R, s->r) > 1 / most && s->r > 0x1p-450 && s->R > 0x1p-450;
@@ -487,7 +487,7 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
     row whole, unread, single;
     WENT(WAY_PARTED);
     const double least = s.spindle ? 0 : LEAST_SLOPE * s.inverse;
-    const bool outside = !in_range(&s);
+    const bool outside = !torus_in_range(&s);
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;
