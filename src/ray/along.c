@@ -586,32 +586,45 @@ static double along_value(const lines *e, size_t u, double v)
 /* Half the length of a stretch in which the slope is nearly what it is at its middle. */
 static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
 
-/* Where p has the root between, within a quarter of its room: regula falsi with the end that stays halved
- * (Illinois), and bisection where that does not halve the bracket in two steps. */
-static double root_between(const lines *e, size_t u, double a, double b)
+/* F as p has it, times (1 - |s|)^n, where v = s / (1 - |s|).  So it is a polynomial of s on either side of 0,
+ * and the same size everywhere, where F by itself may be 10^100 times as great at one end of a stretch. */
+static double along_weighted(const lines *e, size_t u, double s)
 {
-    double fa = along_value(e, u, a), fb = along_value(e, u, b), v = 0.5 * (a + b), width = fabs(b - a);
-    for (int i = 0; i < ALONG_SEEKS && width > 0.25 * room_about(e, v); i++) {
-        v = b - fb * ((b - a) / (fb - fa));
-        if (i % 3 == 2 && fabs(b - a) > 0.5 * width) v = 0.5 * (a + b);
+    double over = 1 / (1 - fabs(s));
+    return along_value(e, u, s * over) * along_power(1 - fabs(s), e->n);
+}
+
+/* Where p has the root between, within a quarter of its room: regula falsi of s with the end that stays
+ * halved (Illinois), and bisection where that does not halve the bracket in two steps. */
+static double root_between(const lines *e, size_t u, double from, double to)
+{
+    double a = from / (1 + fabs(from)), b = to / (1 + fabs(to)), fa = along_weighted(e, u, a),
+           fb = along_weighted(e, u, b), s = 0.5 * (a + b), width = fabs(b - a);
+    /* the room, of s */
+    const double room = 1 / (8 * (double)e->n);
+    for (int i = 0; i < ALONG_SEEKS && fabs(b - a) > 0.25 * room * (1 - fabs(s)); i++) {
+        s = b - fb * ((b - a) / (fb - fa));
+        if (i % 3 == 2 && fabs(b - a) > 0.5 * width) s = 0.5 * (a + b);
         if (i % 3 == 2) width = fabs(b - a);
-        if (!(fabs(v - 0.5 * (a + b)) < 0.5 * fabs(b - a))) v = 0.5 * (a + b);
-        double f = along_value(e, u, v);
+        if (!(fabs(s - 0.5 * (a + b)) < 0.5 * fabs(b - a))) s = 0.5 * (a + b);
+        double f = along_weighted(e, u, s);
         if (signbit(f) == signbit(fb))
             fa *= 0.5;
         else
             a = b, fa = fb;
-        b = v, fb = f;
+        b = s, fb = f;
         /* a step on either side of the root */
-        double beyond = v + copysign(0.125 * room_about(e, v), a - v);
-        if (fabs(beyond - v) < fabs(a - v) && fabs(f) < HUGE_VAL) {
-            double g = along_value(e, u, beyond);
-            if (signbit(g) != signbit(f)) return v - f * ((beyond - v) / (g - f));
-            b = beyond, fb = g;
-        } else
+        double beyond = s + copysign(0.125 * room * (1 - fabs(s)), a - s);
+        if (!(fabs(beyond - s) < fabs(a - s) && fabs(f) < HUGE_VAL)) break;
+        double g = along_weighted(e, u, beyond);
+        if (signbit(g) != signbit(f)) {
+            a = beyond, fa = g;
             break;
+        }
+        b = beyond, fb = g;
     }
-    return b - fb * ((b - a) / (fb - fa));
+    s = b - fb * ((b - a) / (fb - fa));
+    return s / (1 - fabs(s));
 }
 
 /* ------------------------------------------------------------------------------ the way */
