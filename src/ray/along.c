@@ -73,7 +73,7 @@ enum {
     WIDE = ALONG_ROWS,
     ALONG_TRIALS = 48,
     ALONG_DEEP = 16,
-    ALONG_SEEKS = 40,
+    ALONG_SEEKS = 12,
     ALONG_ROOMS = 4,
     ALONG_GUESSES = 3,
     ALONG_FEW = 20 /* fewer terms round by little */
@@ -328,7 +328,8 @@ SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const
             LANES for (size_t u = 0; u < count; u++) a[u] = e->x[u] + v * e->l[u],
                                                      b[u] = e->y[u] + v * e->m[u];
         }
-        of->at(s.self, few * count, x, y, (sag_values){p, px, py});
+        if (of->along_noise || !of->alone) of->at(s.self, few * count, x, y, (sag_values){p, px, py});
+        else of->alone(s.self, few * count, x, y, p);
         for (size_t j = 0; j < few; j++)
             for (size_t u = 0; u < WIDE; u++) value[i + j][u] = p[j * count + (u < count ? u : 0)];
         if (of->along_noise)
@@ -574,57 +575,48 @@ static double half_way(double va, double vb)
     return (va * a + (vb < HUGE_VAL ? vb * b : 1)) / (a + b);
 }
 
-/* F as p has it. */
-static double along_value(const lines *e, size_t u, double v)
-{
-    base_along s = base_at_v(e->c, e->k1, e->x[u], e->y[u], e->l[u], e->m[u], v);
-    double p = 0;
-    for (size_t k = e->n + 1; k-- > 0;) p = sgt_fma(p, v, e->p[k][u]);
-    return e->z[u] + e->g[u] * v - 0.5 * (s.lo + s.hi) - p;
-}
-
 /* Half the length of a stretch in which the slope is nearly what it is at its middle. */
 static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
 
-/* F as p has it, times (1 - |s|)^n, where v = s / (1 - |s|).  So it is a polynomial of s on either side of 0,
- * and the same size everywhere, where F by itself may be 10^100 times as great at one end of a stretch. */
-static double along_weighted(const lines *e, size_t u, double s)
+/* F as p has it at side * v for some v = 1 / q - 1. */
+SGT_NOINLINE
+static void values_between(const lines *e, size_t ray, double side, const lane_row q, lane_row f)
 {
-    double over = 1 / (1 - fabs(s));
-    return along_value(e, u, s * over) * along_power(1 - fabs(s), e->n);
+    const double c = e->c, k1 = e->k1, x = e->x[ray], y = e->y[ray], l = e->l[ray], m = e->m[ray],
+                 z = e->z[ray], g = e->g[ray];
+    lane_row v, p;
+    EACH v[u] = side * (1 / q[u] - 1), p[u] = 0;
+    for (size_t k = e->n + 1; k-- > 0;) {
+        const double of = e->p[k][ray];
+        EACH p[u] = sgt_fma(p[u], v[u], of);
+    }
+    EACH
+    {
+        base_along b = base_at_v(c, k1, x, y, l, m, v[u]);
+        f[u] = z + g * v[u] - 0.5 * (b.lo + b.hi) - p[u];
+    }
 }
 
-/* Where p has the root between, within a quarter of its room: regula falsi of s with the end that stays
- * halved (Illinois), and bisection where that does not halve the bracket in two steps. */
-static double root_between(const lines *e, size_t u, double from, double to)
+/* Where p has the root between, at which F changes its sign first; v has one sign all the way.  In q = 1 / (1
+ * + |v|) stretches of 10^6 are no longer than others; until it is as short as a root's room it is cut by
+ * WIDE points, of which only the signs of F are read.  What is left is interpolated. */
+static double root_between(const lines *e, size_t ray, double from, double to)
 {
-    double a = from / (1 + fabs(from)), b = to / (1 + fabs(to)), fa = along_weighted(e, u, a),
-           fb = along_weighted(e, u, b), s = 0.5 * (a + b), width = fabs(b - a);
-    /* the room, of s */
-    const double room = 1 / (8 * (double)e->n);
-    for (int i = 0; i < ALONG_SEEKS && fabs(b - a) > 0.25 * room * (1 - fabs(s)); i++) {
-        s = b - fb * ((b - a) / (fb - fa));
-        if (i % 3 == 2 && fabs(b - a) > 0.5 * width) s = 0.5 * (a + b);
-        if (i % 3 == 2) width = fabs(b - a);
-        if (!(fabs(s - 0.5 * (a + b)) < 0.5 * fabs(b - a))) s = 0.5 * (a + b);
-        double f = along_weighted(e, u, s);
-        if (signbit(f) == signbit(fb))
-            fa *= 0.5;
-        else
-            a = b, fa = fb;
-        b = s, fb = f;
-        /* a step on either side of the root */
-        double beyond = s + copysign(0.125 * room * (1 - fabs(s)), a - s);
-        if (!(fabs(beyond - s) < fabs(a - s) && fabs(f) < HUGE_VAL)) break;
-        double g = along_weighted(e, u, beyond);
-        if (signbit(g) != signbit(f)) {
-            a = beyond, fa = g;
-            break;
-        }
-        b = beyond, fb = g;
+    const double side = from < 0 || to < 0 ? -1 : 1, room = 1 / (8 * (double)e->n);
+    double a = 1 / (1 + fabs(from)), b = 1 / (1 + fabs(to)), fa = 0, fb = 0;
+    for (int i = 0; i < ALONG_SEEKS; i++) {
+        lane_row q, f;
+        const double step = (b - a) * (1 / (double)(WIDE - 1));
+        EACH q[u] = a + (double)u * step;
+        q[WIDE - 1] = b;
+        values_between(e, ray, side, q, f);
+        size_t k = 1;
+        while (k + 1 < WIDE && signbit(f[k]) == signbit(f[0])) k++;
+        a = q[k - 1], b = q[k], fa = f[k - 1], fb = f[k];
+        if (!(fabs(b - a) > room * (a < b ? a : b))) break;
     }
-    s = b - fb * ((b - a) / (fb - fa));
-    return s / (1 - fabs(s));
+    double at = signbit(fa) != signbit(fb) ? b - fb * ((b - a) / (fb - fa)) : 0.5 * (a + b);
+    return side * (1 / at - 1);
 }
 
 /* ------------------------------------------------------------------------------ the way */

@@ -10,6 +10,9 @@ enum { SHRINKS = 12, LEAST_BUDGET = 8 };
  * by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
+/* A surface that is steeper than this within a power of two is not gentle within half of it. */
+static const double STEEPEST = 0x1p64;
+
 /* What is worked out of some rays, a row each: where the search begins; a radius for that and the seed, and
  * one for the seed alone; the rungs of the first, and of the root; and what is known within it.  axis: NULL,
  * or two rows. */
@@ -707,7 +710,8 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         }
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
-        for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
+        for (size_t i = 0; i < n; i++)
+            w.wide[i] = w.steep[i] < STEEPEST ? rung_above(w.radius[i], FINE) : HUGE_VAL;
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {

@@ -68,6 +68,33 @@ static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, con
     else polynomial_in(n, a, x, y, p, px, py);
 }
 
+/* The same sums of P alone. */
+SGT_KERNEL
+static void polynomial_alone(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
+                             double *restrict p)
+{
+    double w[DEPARTURE_BLOCK];
+    LANES for (size_t k = 0; k < n; k++) p[k] = 0;
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
+        LANES for (size_t k = 0; k < n; k++) w[k] = 0;
+        for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) {
+            double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2],
+                   a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
+            LANES for (size_t k = 0; k < n; k++) {
+                double t = y[k];
+                w[k] = sgt_fma(sgt_fma(sgt_fma(sgt_fma(w[k], t, a3), t, a2), t, a1), t, a0);
+            }
+        }
+        LANES for (size_t k = 0; k < n; k++) p[k] = sgt_fma(p[k], x[k], w[k]);
+    }
+}
+
+static void xy_p(const void *self, size_t n, const double *x, const double *y, double *p)
+{
+    polynomial_alone(n, ((const sgt_polynomial_xy *)self)->a, x, y, p);
+}
+
 static void xy_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     polynomial_at(n, ((const sgt_polynomial_xy *)self)->a, x, y, out.p, out.px, out.py);
@@ -302,6 +329,6 @@ static bool xy_along(const void *self, sgt_course *out)
 static const departure polynomial_xy_departure = {
     .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = sgt_xy_second,
     .parameters = xy_parameters, .by_parameter = sgt_xy_by_parameter, .object = xy_object, .noise = xy_noise,
-    .along = xy_along};
+    .along = xy_along, .alone = xy_p};
 
 DEPARTURE_ON_CONIC(polynomial_xy, sgt_polynomial_xy)
