@@ -39,7 +39,7 @@
  *
  *     (1, vb) = (1, 0) + vb (0, 1),    (1, va) = (1 - va / vb) (1, 0) + (va / vb) (1, vb).
  *
- * A row of the two rounds an entry by at most 1 and 4 u of what the triangle makes of the magnitudes, and
+ * A row of the two rounds an entry by at most 1 and 5 u of what the triangle makes of the magnitudes, and
  * there are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i, and at most
  * the sum of |c_k| vb^k, which is asked of many terms.  Where vb is infinite, (0, 1) stays as it is, and
  * its weight is 1.
@@ -379,6 +379,52 @@ SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
                   sb / sa};
 }
 
+/* One entry of a triangle, from what it was and the next: k own + h next, where k and h are exact; or h next +
+ * k own. */
+SGT_INLINE double entry_of(bool exact, double k, double own, double h, double next)
+{
+    return exact ? sgt_fma(k, own, h * next) : sgt_fma(h, next, k * own);
+}
+
+/* Row r of a triangle: each entry before r.  The entries are at p[0], p[step], ...  */
+SGT_INLINE void one_row(bool exact, look_row *p, ptrdiff_t step, size_t r, const look_row k, const look_row h)
+{
+    for (size_t i = 0; i < r; i++, p += step)
+        EACH_LOOK p[0][u] = entry_of(exact, k[u], p[0][u], h[u], p[step][u]);
+}
+
+/* Rows r to r - 3 at once, r >= 4: each entry is read and written once.  a, b, c and d are the last ones known
+ * before these rows, and behind the first three of them. */
+SGT_INLINE void four_rows(bool exact, look_row *p, ptrdiff_t step, size_t r, const look_row by,
+                          const look_row over)
+{
+    look_row a, b, c, d;
+    EACH_LOOK
+    {
+        double k = by[u], h = over[u], a0 = p[0][u], a1 = p[step][u], a2 = p[2 * step][u],
+               a3 = p[3 * step][u], b0 = entry_of(exact, k, a0, h, a1), b1 = entry_of(exact, k, a1, h, a2),
+               b2 = entry_of(exact, k, a2, h, a3), c0 = entry_of(exact, k, b0, h, b1),
+               c1 = entry_of(exact, k, b1, h, b2);
+        a[u] = a3, b[u] = b2, c[u] = c1, d[u] = entry_of(exact, k, c0, h, c1);
+    }
+    for (size_t i = 4; i <= r; i++, p += step) EACH_LOOK
+        {
+            double k = by[u], h = over[u], a1 = p[4 * step][u], b1 = entry_of(exact, k, a[u], h, a1),
+                   c1 = entry_of(exact, k, b[u], h, b1), d1 = entry_of(exact, k, c[u], h, c1);
+            p[0][u] = entry_of(exact, k, d[u], h, d1);
+            a[u] = a1, b[u] = b1, c[u] = c1, d[u] = d1;
+        }
+    EACH_LOOK p[0][u] = d[u], p[step][u] = c[u], p[2 * step][u] = b[u], p[3 * step][u] = a[u];
+}
+
+/* Rows n to 1. */
+SGT_INLINE void triangle(bool exact, look_row *p, ptrdiff_t step, size_t n, const look_row k, const look_row h)
+{
+    size_t r = n;
+    for (; r % 4 > 0; r--) one_row(exact, p, step, r, k, h);
+    for (; r > 0; r -= 4) four_rows(exact, p, step, r, k, h);
+}
+
 SGT_NOINLINE
 static void bernstein(const lines *e, stretches *s)
 {
@@ -398,12 +444,8 @@ static void bernstein(const lines *e, stretches *s)
         for (size_t u = 0; u < ABREAST; u++) a[u] = b[s->ray[u]];
         if (i % 2) EACH_LOOK a[u] *= s->side[u];
     }
-    for (size_t r = n; r > 0; r--)
-        for (size_t i = 0; i < r; i++)
-            EACH_LOOK s->p[i][u] = sgt_fma(k[u], s->p[i][u], h[u] * s->p[i + 1][u]);
-    for (size_t r = n; r > 0; r--)
-        for (size_t i = n; i > n - r; i--)
-            EACH_LOOK s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
+    triangle(true, s->p, 1, n, k, h);
+    triangle(false, s->p + n, -1, n, rest, part);
 }
 
 /* The most that rounding does to a coefficient: 6 (n + 1) u of the sum of |c_k| vb^k. */
