@@ -715,9 +715,10 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
          * its edge */
         for (size_t i = 0; i < n; i++) {
             const double wide = w.wide[i], edge2 = w.radius2[i], fine = rung_above(w.radius[i], FINE);
-            const bool starts = leaving && before[i] > 0 && least[i] == 0, steep = !(w.steep[i] <= STEEPEST),
-                       none = starts || (steep && (edge2 >= 0.99 * wide * wide || fine * fine > 1.01 * edge2));
-            w.wide[i] = none ? HUGE_VAL : fine;
+            const bool starts = leaving && before[i] > 0 && least[i] == 0,
+                       all = edge2 >= 0.99 * wide * wide, beyond = fine * fine > 1.01 * edge2,
+                       steep = !(w.steep[i] <= STEEPEST) && (all || beyond);
+            w.wide[i] = starts || steep ? HUGE_VAL : fine;
         }
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }

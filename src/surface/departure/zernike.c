@@ -194,8 +194,8 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
         q1 = q, q = q2, d1 = d, d = d2;                                                    \
     } while (0)
 
-/* Adds one to four orders from k on.  slopes: the derivatives, too.  `first`, `steps` and `slopes` are constants
- * after inlining. */
+/* Adds one to four orders from k on.  slopes: the derivatives, too.  `first`, `steps` and `slopes` are
+ * constants after inlining. */
 SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, bool slopes, zernike_work *w,
                            size_t n)
 {
