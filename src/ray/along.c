@@ -2,34 +2,12 @@
 /* along.c - a departure P(x, y) of a polynomial, along a ray without a rim (along.h).
  *
  * Along a ray P is a polynomial of one variable, whose degree n the type knows.  So some n + 1 values of P
- * say everything about it, all the way to where the base ends or beyond all bounds.  What is left is a
- * question about one polynomial, which takes no further look.
+ * say everything about it, all the way to where the base ends or beyond all bounds (along_terms.c: its
+ * coefficients c_k, and the size E of what they are off by).  What is left is a question about one
+ * polynomial, which takes no further look.
  *
  * THE LINE.  Let x and y be w (l, m) / sqrt(l^2 + m^2) from the point nearest the axis, z = z0 + g w, w = W
  * v. W is at least 1.02 times the ray's distance from the axis, so that r <= W sqrt(1 + v^2).
- *
- * THE PROJECTIVE LINE.  (1 + v^2)^(-n/2) P is the value at a unit vector (h, k), v = k / h, of a
- * homogeneous polynomial of degree n.  By `size` the greatest such value is meant.  With v = tan phi it is
- * a sum of the cosines and sines of n phi, (n - 2) phi, ...  So n is made odd, N = n + 1 = 2 m, and P is
- * asked for at the N nodes v = +-tan((j + 1/2) pi / N), which are evenly spaced in phi.
- *
- * THE COEFFICIENTS p(v) = sum of c_k v^k interpolate these values.  Even and odd powers are apart: each is
- * a polynomial of v^2 with m nodes, by Lagrange's formula.  The product of v^2 - node is, up to its scale,
- * the real part of (1 + i v)^N, whose coefficients are binomial ones.  A factor is divided out from
- * whichever end is stable.
- *
- * HOW FAR p IS OFF is not derived from how it was made.  p - P is a polynomial of degree n, of which a
- * bound at each node is computed: |p - P| there as computed, with the rounding of both.  The polynomial
- * that interpolates at N evenly spaced nodes of the circle is nowhere greater than 1 + (2 / pi) log N times
- * what it interpolates (Gronwall 1921; Rivlin, The Chebyshev Polynomials, 1974): at most 3.4 here; SPREAD
- * is above that.  That gives the size E of p - P.
- *
- * THE ROUNDING OF P at a node at r: its noise within r, and its gradient within r times how far the point
- * asked for is from the node.  Both are those of the whole circle of that radius, so one number holds for
- * all rays that have the same W.  Terms that differ much between directions have a noise of their own along
- * each line (departure.h).  There the gradient is that at the nodes, and 2^-24 of the circle's, which is more
- * than it may differ in 128 u of r: a polynomial of degree n has at most n^(3/2) times its size per r, next
- * to the edge of the circle.
  *
  * BERNSTEIN'S FORM over [va, vb]: coefficient i is the polar form of p with n - i arguments (1, va) and i
  * arguments (1, vb), so P is a mean of them.  For unit vectors the polar form of a homogeneous polynomial
@@ -39,7 +17,7 @@
  *
  *     (1, vb) = (1, 0) + vb (0, 1),    (1, va) = (1 - va / vb) (1, 0) + (va / vb) (1, vb).
  *
- * A row of the two rounds an entry by at most 1 and 4 u of what the triangle makes of the magnitudes, and
+ * A row of the two rounds an entry by at most 1 and 5 u of what the triangle makes of the magnitudes, and
  * there are n rows.  With |b_k| <= B the magnitudes are at most B (1 + va)^(n - i) (1 + vb)^i, and at most
  * the sum of |c_k| vb^k, which is asked of many terms.  Where vb is infinite, (0, 1) stays as it is, and
  * its weight is 1.
@@ -61,296 +39,25 @@
  * counts as one evaluation, as an enclosure does. */
 #include "along.h"
 
-#include "../surface/departure/departure.h"
+#include "along_terms.h"
 #include "wings.h"
 
 #include <sagitta/interval.h>
 
-/* At least half of the greatest number of nodes; rays at a time; stretches of one ray; those that wait. */
+/* Stretches of one ray; those that wait; looks at a root. */
 enum {
-    ALONG_HALF = 20,
-    ALONG_MOST = 2 * ALONG_HALF,
-    WIDE = ALONG_ROWS,
     ALONG_TRIALS = 48,
     ALONG_DEEP = 16,
-    ALONG_SEEKS = 40,
+    ALONG_SEEKS = 12, /* each leaves a seventh */
     ALONG_ROOMS = 4,
     ALONG_GUESSES = 3,
     ALONG_FEW = 20 /* fewer terms round by little */
 };
-static const double SPREAD = 4;
-
-/* (Loops of eight and four lanes are no kernels of exact.h: four do not fill the widest registers.) */
-typedef double lane_row[WIDE];
-#define EACH LANES for (size_t u = 0; u < WIDE; u++)
 
 /* Stretches at a time: as the rays need one or many, a ray that is done gives its place to the next. */
 enum { ABREAST = 4 };
 typedef double look_row[ABREAST];
 #define EACH_LOOK LANES for (size_t u = 0; u < ABREAST; u++)
-
-/* The lines of some rays, each about its point nearest the axis, counted in v, and P along it. */
-typedef struct lines {
-    size_t half, n;                        /* nodes on either side; the degree, 2 half - 1 */
-    double c, k1;                          /* the base */
-    lane_row x, y, l, m;                   /* dx/dv = l, dy/dv = m */
-    lane_row z, g;                         /* z = z0 + g v */
-    lane_row W, t0, by, scale;             /* t = (t0 + by v) scale */
-    lane_row E, B;                         /* the size of p - P; the greatest |b_k| */
-    lane_row p[ALONG_MOST], b[ALONG_MOST]; /* c_k and b_k */
-} lines;
-
-/* The nodes v > 0 and their squares, and (1 + v^2)^(-n/2); rows are filled up to a multiple of 4. */
-typedef struct nodes {
-    double v[ALONG_HALF], v2[ALONG_HALF], weight[ALONG_HALF];
-} nodes;
-
-SGT_INLINE double along_power(double x, size_t n)
-{
-    double power = 1;
-    for (; n; n >>= 1, x *= x)
-        if (n & 1) power *= x;
-    return power;
-}
-
-/* sin and cos of pi / N, N >= 4, by their series; then the nodes by turning. */
-static void nodes_of(size_t half, nodes *e)
-{
-    const double pi = 0x1.921fb54442d18p+1, a = 0.25 * pi / (double)half, a2 = a * a;
-    double s = 0, c = 0;
-    for (int k = 10; k > 0; k--) {
-        double i = 2 * k;
-        s = (1 - s) * a2 / (i * (i + 1)), c = (1 - c) * a2 / (i * (i - 1));
-    }
-    s = a * (1 - s), c = 1 - c;
-    const double turn_s = 2 * s * c, turn_c = (c - s) * (c + s);
-    for (size_t j = 0; j < ALONG_HALF; j++) {
-        bool in = j < half;
-        e->v[j] = in ? s / c : 0, e->v2[j] = e->v[j] * e->v[j],
-        e->weight[j] = in ? along_power(c, 2 * half - 1) : 0;
-        double next = c * turn_c - s * turn_s;
-        s = s * turn_c + c * turn_s, c = next;
-    }
-}
-
-/* At most how far P may be off within a radius, by its own rounding and by 2^-46 of the radius in x and y. */
-static double off_within(const departure *of, const void *self, double radius)
-{
-    if (of->along_off) return of->along_off(self, radius);
-    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
-    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-    double noise[2] = {(double)NAN, (double)NAN};
-    of->noise(self, radius, noise);
-    if (of->bounds(self, &where, &b) != 1) return HUGE_VAL;
-    return noise[0] + noise[1] * radius * radius + 0x1p-46 * radius * b.steep;
-}
-
-/* At most how far P may be off at the nodes for a line of this W, by its own rounding and by that of the
- * points, times their weights.  These are off by 12 u of r at most.  For an even P those on the other side
- * are not asked, and the nearest point may be 2^-48 W from where it is taken to be. */
-static double rounding_at_nodes(sgt_surface s, size_t half, double W, bool *known)
-{
-    const departure *of = s.ops->own_->departure;
-    nodes e;
-    nodes_of(half, &e);
-    double most = 0, within = 0, off = 0;
-    const double room = 1 + 1 / (double)(2 * half);
-    for (size_t j = 0; j < half; j++) {
-        double r = W * sqrt(1 + e.v2[j]) * (1 + 0x1p-10);
-        if (!(r <= within)) {
-            within = r * room;
-            off = off_within(of, s.self, within);
-        }
-        most = larger(most, off * e.weight[j]);
-        if (!(off < HUGE_VAL)) most = HUGE_VAL;
-    }
-    *known = most < HUGE_VAL;
-    return 1.01 * most + 0x1p-1000;
-}
-
-/* The same from its place. */
-static double rounding_about(sgt_surface s, size_t half, double W, vicinities *kept)
-{
-    if (!kept->any_along)
-        for (int i = 0; i < ALONGS; i++) kept->along[i][0] = 0;
-    kept->any_along = true;
-    double *e = kept->along[place_of(W, FINE, ALONGS)];
-    if (e[0] != W) {
-        bool known;
-        e[0] = W, e[1] = rounding_at_nodes(s, half, W, &known);
-        if (!known) e[1] = HUGE_VAL;
-    }
-    return e[1];
-}
-
-/* --------------------------------------------------------------------------- coefficients */
-
-/* q[k][j]: the coefficient of v^2k in the polynomial of v^2 that is 1 at node j and 0 at the others. */
-SGT_NOINLINE
-static void lagrange(size_t half, const nodes *e, double q[ALONG_HALF][ALONG_HALF])
-{
-    double of[ALONG_HALF + 1], by[ALONG_HALF], sum[ALONG_HALF], binomial = 1;
-    for (size_t k = 0; k <= half; k++) { /* that of v^2k in the real part of (1 + i v)^N */
-        double i = (double)(2 * k), top = (double)(2 * half);
-        of[k] = k % 2 ? -binomial : binomial;
-        binomial = binomial * ((top - i) * (top - i - 1)) / ((i + 1) * (i + 2));
-    }
-    const size_t low = half / 2; /* the nodes before are below 1 */
-    LANES for (size_t j = 0; j < low; j++) q[half - 1][j] = of[half];
-    for (size_t k = half - 1; k > 0; k--)
-        LANES for (size_t j = 0; j < low; j++) q[k - 1][j] = sgt_fma(e->v2[j], q[k][j], of[k]);
-    LANES for (size_t j = low; j < half; j++) by[j] = 1 / e->v2[j], q[0][j] = -of[0] * by[j];
-    for (size_t k = 1; k < half; k++)
-        LANES for (size_t j = low; j < half; j++) q[k][j] = (q[k - 1][j] - of[k]) * by[j];
-    LANES for (size_t j = 0; j < half; j++) sum[j] = 0;
-    for (size_t k = half; k-- > 0;)
-        LANES for (size_t j = 0; j < half; j++) sum[j] = sgt_fma(e->v2[j], sum[j], q[k][j]);
-    LANES for (size_t j = 0; j < half; j++) sum[j] = 1 / sum[j];
-    for (size_t k = 0; k < half; k++) LANES for (size_t j = 0; j < half; j++) q[k][j] *= sum[j];
-}
-
-/* c_k of the polynomials of these values at +v, and behind them at -v. */
-SGT_NOINLINE
-static void interpolate(const nodes *at, double q[ALONG_HALF][ALONG_HALF], lane_row *value, lines *e)
-{
-    const size_t half = e->half;
-    lane_row *even = e->b, *odd = e->b + half;
-    for (size_t j = 0; j < half; j++) {
-        const double *one = value[j], *other = value[half + j], by = 0.5 / at->v[j];
-        EACH even[j][u] = 0.5 * (one[u] + other[u]), odd[j][u] = by * (one[u] - other[u]);
-    }
-    for (size_t k = 0; k < half; k++) {
-        lane_row a, b;
-        EACH a[u] = b[u] = 0;
-        for (size_t j = 0; j < half; j++) {
-            const double w = q[k][j];
-            EACH a[u] = sgt_fma(w, even[j][u], a[u]), b[u] = sgt_fma(w, odd[j][u], b[u]);
-        }
-        EACH e->p[2 * k][u] = a[u], e->p[2 * k + 1][u] = b[u];
-    }
-}
-
-/* The greatest weighted |p - P| at the nodes, with the rounding of Horner's rule. */
-SGT_NOINLINE
-static void misses_by(const nodes *at, lane_row *value, const lines *e, lane_row most)
-{
-    const size_t half = e->half;
-    const double rounded = (double)(2 * e->n + 8) * SGT_U;
-    EACH most[u] = 0;
-    for (size_t j = 0; j < half; j++) {
-        const double v2 = at->v2[j], v = at->v[j], weight = at->weight[j], *one = value[j],
-                     *other = value[half + j];
-        lane_row even, odd, size, more;
-        EACH even[u] = odd[u] = size[u] = more[u] = 0;
-        for (size_t k = half; k-- > 0;) EACH
-            {
-                double a = e->p[2 * k][u], b = e->p[2 * k + 1][u];
-                even[u] = sgt_fma(v2, even[u], a), odd[u] = sgt_fma(v2, odd[u], b);
-                size[u] = sgt_fma(v2, size[u], fabs(a)), more[u] = sgt_fma(v2, more[u], fabs(b));
-            }
-        EACH
-        {
-            double o = v * odd[u], a = fabs(even[u] + o - one[u]), b = fabs(even[u] - o - other[u]),
-                   off = (a > b ? a : b) + rounded * (size[u] + v * more[u]), by = off * weight;
-            most[u] = chosen(MASK(by <= most[u]), most[u], by); /* NaN stays */
-        }
-    }
-}
-
-/* b_k, and the greatest magnitude. */
-SGT_NOINLINE
-static void scale_by_binomial(lines *e)
-{
-    double binomial = 1;
-    EACH e->B[u] = 0;
-    for (size_t k = 0; k <= e->n; k++) {
-        const double by = 1 / binomial;
-        EACH
-        {
-            double b = e->p[k][u] * by, size = fabs(b);
-            e->b[k][u] = b, e->B[u] = chosen(MASK(size <= e->B[u]), e->B[u], size);
-        }
-        binomial = binomial * (double)(e->n - k) / (double)(k + 1);
-    }
-}
-
-/* Adds to the greatest weighted gradient, times r / W, at this node. */
-static void gradients(const nodes *at, size_t node, size_t count, const double *px, const double *py,
-                      double *most)
-{
-    const double by = at->weight[node] * sqrt(1 + at->v2[node]);
-    for (size_t u = 0; u < count; u++) {
-        double here = by * (fabs(px[u]) + fabs(py[u]));
-        if (!(here <= most[u])) most[u] = here;
-    }
-}
-
-/* The greatest weighted noise along each line by itself.  A node where r is not much greater than before is
- * taken to be as far as the next that is asked for. */
-static void noise_along(const departure *of, const void *self, const nodes *at, const lines *e, lane_row most)
-{
-    const double room = 1 + 1 / (double)(2 * e->half);
-    EACH most[u] = 0;
-    for (size_t j = 0, next; j < e->half; j = next) {
-        lane_row x, y, noise;
-        const double least = 1 + at->v2[j];
-        for (next = j + 1; next < e->half && 1 + at->v2[next] < least * room * room; next++) {
-        }
-        const double v = at->v[next - 1] * (1 + 0x1p-40), weight = at->weight[j];
-        EACH x[u] = fabs(e->x[u]) + v * fabs(e->l[u]), y[u] = fabs(e->y[u]) + v * fabs(e->m[u]);
-        of->along_noise(self, x, y, noise);
-        EACH
-        {
-            double here = weight * noise[u];
-            most[u] = chosen(MASK(here <= most[u]), most[u], here);
-        }
-    }
-}
-
-/* P along the lines. */
-SGT_NOINLINE static void ask_along(sgt_surface s, bool both, size_t count, const lane_row rounding, lines *e)
-{
-    const size_t group = DEPARTURE_BLOCK / count;
-    const departure *of = s.ops->own_->departure;
-    const size_t half = e->half;
-    nodes at;
-    lane_row value[ALONG_MOST], off, turned;
-    nodes_of(half, &at);
-    EACH turned[u] = 0;
-    for (size_t i = 0, few; i < (both ? 2 * half : half); i += few) {
-        double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK],
-            py[DEPARTURE_BLOCK];
-        few = (both ? 2 * half : half) - i;
-        few = few < group ? few : group;
-        for (size_t j = 0; j < few; j++) {
-            const double v = i + j < half ? at.v[i + j] : -at.v[i + j - half];
-            double *a = x + j * count, *b = y + j * count;
-            LANES for (size_t u = 0; u < count; u++) a[u] = e->x[u] + v * e->l[u],
-                                                     b[u] = e->y[u] + v * e->m[u];
-        }
-        of->at(s.self, few * count, x, y, (sag_values){p, px, py});
-        for (size_t j = 0; j < few; j++)
-            for (size_t u = 0; u < WIDE; u++) value[i + j][u] = p[j * count + (u < count ? u : 0)];
-        if (of->along_noise)
-            for (size_t j = 0; j < few; j++)
-                gradients(&at, (i + j) % half, count, px + j * count, py + j * count, turned);
-    }
-    if (!both) memcpy(value + half, value, half * sizeof *value);
-    double q[ALONG_HALF][ALONG_HALF];
-    lagrange(half, &at, q);
-    interpolate(&at, q, value, e);
-    scale_by_binomial(e);
-    misses_by(&at, value, e, off);
-    if (of->along_noise) {
-        lane_row noise;
-        noise_along(of, s.self, &at, e, noise);
-        EACH off[u] += noise[u] + 0x1.1p-46 * e->W[u] * turned[u] + 0x1p-24 * rounding[u];
-    } else
-        EACH off[u] += rounding[u];
-    EACH e->E[u] = SPREAD * (1 + 0x1p-40) * off[u];
-}
-
-/* -------------------------------------------------------------------------- stretches */
 
 /* A stretch of each line: side * v, v in [va, vb], and what it says of F. */
 typedef struct stretches {
@@ -378,6 +85,53 @@ SGT_INLINE fade fade_of(const lines *e, const stretches *s, size_t u)
                   sb / sa};
 }
 
+/* One entry of a triangle, from what it was and the next: k own + h next.  exact: h is 0 or 1. */
+SGT_INLINE double row_entry(bool exact, double k, double own, double h, double next)
+{
+    return exact ? sgt_fma(k, own, h * next) : sgt_fma(h, next, k * own);
+}
+
+/* Row r of a triangle: each entry before r.  The entries are at p[0], p[step], ...  */
+SGT_INLINE void one_row(bool exact, look_row *p, ptrdiff_t step, size_t r, const look_row k,
+                        const look_row h)
+{
+    for (size_t i = 0; i < r; i++, p += step)
+        EACH_LOOK p[0][u] = row_entry(exact, k[u], p[0][u], h[u], p[step][u]);
+}
+
+/* Rows r to r - 3 at once, r >= 4: each entry is read and written once.  a, b, c and d are the last entries
+ * known before these rows, and behind the first three of them. */
+SGT_INLINE void four_rows(bool exact, look_row *p, ptrdiff_t step, size_t r, const look_row by,
+                          const look_row over)
+{
+    look_row a, b, c, d;
+    EACH_LOOK
+    {
+        double k = by[u], h = over[u], a0 = p[0][u], a1 = p[step][u], a2 = p[2 * step][u],
+               a3 = p[3 * step][u], b0 = row_entry(exact, k, a0, h, a1),
+               b1 = row_entry(exact, k, a1, h, a2), b2 = row_entry(exact, k, a2, h, a3),
+               c0 = row_entry(exact, k, b0, h, b1), c1 = row_entry(exact, k, b1, h, b2);
+        a[u] = a3, b[u] = b2, c[u] = c1, d[u] = row_entry(exact, k, c0, h, c1);
+    }
+    for (size_t i = 4; i <= r; i++, p += step) EACH_LOOK
+        {
+            double k = by[u], h = over[u], a1 = p[4 * step][u], b1 = row_entry(exact, k, a[u], h, a1),
+                   c1 = row_entry(exact, k, b[u], h, b1), d1 = row_entry(exact, k, c[u], h, c1);
+            p[0][u] = row_entry(exact, k, d[u], h, d1);
+            a[u] = a1, b[u] = b1, c[u] = c1, d[u] = d1;
+        }
+    EACH_LOOK p[0][u] = d[u], p[step][u] = c[u], p[2 * step][u] = b[u], p[3 * step][u] = a[u];
+}
+
+/* Rows n to 1. */
+SGT_INLINE void triangle(bool exact, look_row *p, ptrdiff_t step, size_t n, const look_row k,
+                         const look_row h)
+{
+    size_t r = n;
+    for (; r % 4 > 0; r--) one_row(exact, p, step, r, k, h);
+    for (; r > 0; r -= 4) four_rows(exact, p, step, r, k, h);
+}
+
 SGT_NOINLINE
 static void bernstein(const lines *e, stretches *s)
 {
@@ -397,12 +151,8 @@ static void bernstein(const lines *e, stretches *s)
         for (size_t u = 0; u < ABREAST; u++) a[u] = b[s->ray[u]];
         if (i % 2) EACH_LOOK a[u] *= s->side[u];
     }
-    for (size_t r = n; r > 0; r--)
-        for (size_t i = 0; i < r; i++)
-            EACH_LOOK s->p[i][u] = sgt_fma(k[u], s->p[i][u], h[u] * s->p[i + 1][u]);
-    for (size_t r = n; r > 0; r--)
-        for (size_t i = n; i > n - r; i--)
-            EACH_LOOK s->p[i][u] = sgt_fma(part[u], s->p[i - 1][u], rest[u] * s->p[i][u]);
+    triangle(true, s->p, 1, n, k, h);
+    triangle(false, s->p + n, -1, n, rest, part);
 }
 
 /* The most that rounding does to a coefficient: 6 (n + 1) u of the sum of |c_k| vb^k. */
@@ -574,44 +324,48 @@ static double half_way(double va, double vb)
     return (va * a + (vb < HUGE_VAL ? vb * b : 1)) / (a + b);
 }
 
-/* F as p has it. */
-static double along_value(const lines *e, size_t u, double v)
-{
-    base_along s = base_at_v(e->c, e->k1, e->x[u], e->y[u], e->l[u], e->m[u], v);
-    double p = 0;
-    for (size_t k = e->n + 1; k-- > 0;) p = sgt_fma(p, v, e->p[k][u]);
-    return e->z[u] + e->g[u] * v - 0.5 * (s.lo + s.hi) - p;
-}
-
 /* Half the length of a stretch in which the slope is nearly what it is at its middle. */
 static double room_about(const lines *e, double root) { return (1 + fabs(root)) / (8 * (double)e->n); }
 
-/* Where p has the root between, within a quarter of its room: regula falsi with the end that stays halved
- * (Illinois), and bisection where that does not halve the bracket in two steps. */
-static double root_between(const lines *e, size_t u, double a, double b)
+/* F as p has it at side * v for some v = 1 / q - 1. */
+SGT_NOINLINE
+static void values_between(const lines *e, size_t ray, double side, const lane_row q, lane_row f)
 {
-    double fa = along_value(e, u, a), fb = along_value(e, u, b), v = 0.5 * (a + b), width = fabs(b - a);
-    for (int i = 0; i < ALONG_SEEKS && width > 0.25 * room_about(e, v); i++) {
-        v = b - fb * ((b - a) / (fb - fa));
-        if (i % 3 == 2 && fabs(b - a) > 0.5 * width) v = 0.5 * (a + b);
-        if (i % 3 == 2) width = fabs(b - a);
-        if (!(fabs(v - 0.5 * (a + b)) < 0.5 * fabs(b - a))) v = 0.5 * (a + b);
-        double f = along_value(e, u, v);
-        if (signbit(f) == signbit(fb))
-            fa *= 0.5;
-        else
-            a = b, fa = fb;
-        b = v, fb = f;
-        /* a step on either side of the root */
-        double beyond = v + copysign(0.125 * room_about(e, v), a - v);
-        if (fabs(beyond - v) < fabs(a - v) && fabs(f) < HUGE_VAL) {
-            double g = along_value(e, u, beyond);
-            if (signbit(g) != signbit(f)) return v - f * ((beyond - v) / (g - f));
-            b = beyond, fb = g;
-        } else
-            break;
+    const double c = e->c, k1 = e->k1, x = e->x[ray], y = e->y[ray], l = e->l[ray], m = e->m[ray],
+                 z = e->z[ray], g = e->g[ray];
+    lane_row v, p;
+    EACH v[u] = side * (1 / q[u] - 1), p[u] = 0;
+    for (size_t k = e->n + 1; k-- > 0;) {
+        const double of = e->p[k][ray];
+        EACH p[u] = sgt_fma(p[u], v[u], of);
     }
-    return b - fb * ((b - a) / (fb - fa));
+    EACH
+    {
+        base_along b = base_at_v(c, k1, x, y, l, m, v[u]);
+        f[u] = z + g * v[u] - 0.5 * (b.lo + b.hi) - p[u];
+    }
+}
+
+/* Where p has the root between, at which F changes its sign first; v has one sign all the way.  In q = 1 / (1
+ * + |v|) stretches of 10^6 are no longer than others; until it is as short as a root's room it is cut by
+ * WIDE points, of which only the signs of F are read.  What is left is interpolated. */
+static double root_between(const lines *e, size_t ray, double from, double to)
+{
+    const double side = from < 0 || to < 0 ? -1 : 1, room = 1 / (8 * (double)e->n);
+    double a = 1 / (1 + fabs(from)), b = 1 / (1 + fabs(to)), fa = 0, fb = 0;
+    for (int i = 0; i < ALONG_SEEKS; i++) {
+        lane_row q, f;
+        const double step = (b - a) * (1 / (double)(WIDE - 1));
+        EACH q[u] = a + (double)u * step;
+        q[WIDE - 1] = b;
+        values_between(e, ray, side, q, f);
+        size_t k = 1;
+        while (k + 1 < WIDE && signbit(f[k]) == signbit(f[0])) k++;
+        a = q[k - 1], b = q[k], fa = f[k - 1], fb = f[k];
+        if (!(fabs(b - a) > room * (a < b ? a : b))) break;
+    }
+    double at = signbit(fa) != signbit(fb) ? b - fb * ((b - a) / (fb - fa)) : 0.5 * (a + b);
+    return side * (1 / at - 1);
 }
 
 /* ------------------------------------------------------------------------------ the way */
@@ -806,7 +560,7 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
         said[j] = lay_line(&ray, t[j], course.home, &e, some, &walk[some]);
         if (said[j] != ALONG_CLEAR) continue;
         said[j] = ALONG_SILENT;
-        rounding[some] = rounding_about(s, e.half, e.W[some], kept);
+        rounding[some] = sgt_rounding_along(s, e.half, e.W[some], kept);
         if (rounding[some] < HUGE_VAL) of[some++] = j;
     }
     if (some == 0) return;
@@ -815,7 +569,7 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
         e.g[u] = e.g[0];
         walk[u].done = true, rounding[u] = rounding[0];
     }
-    ask_along(s, !course.even, some, rounding, &e);
+    sgt_ask_along(s, !course.even, some, rounding, &e);
     for (size_t u = 0; u < some; u++) walk[u].done = !(e.E[u] < 0x1p900 && e.B[u] < 0x1p900);
     for (size_t u = 0; u < ABREAST; u++) place_ray(&e, u < some ? u : 0, &at, u);
     for (size_t next = ABREAST;;) {

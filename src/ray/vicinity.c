@@ -10,6 +10,9 @@ enum { SHRINKS = 12, LEAST_BUDGET = 8 };
  * by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
+/* A surface that is steeper than this within a power of two is not gentle within half of it. */
+static const double STEEPEST = 0x1p64;
+
 /* What is worked out of some rays, a row each: where the search begins; a radius for that and the seed, and
  * one for the seed alone; the rungs of the first, and of the root; and what is known within it.  axis: NULL,
  * or two rows. */
@@ -696,18 +699,27 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         extents(s, n, w.wide, COARSE, v->asked, kept, &w);
         if (near || k == SHRINKS || shrink(n, &r, v, &w) == 0) break;
     }
-    double *lo = w.at_seed, *hi = v->work[11], *least = w.about, left = 0;
+    double *lo = w.at_seed, *hi = v->work[11], *before = v->work[12], *least = w.about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, w.radius2, w.steep, axis ? read : NULL, lo, hi, least);
         /* without a box the march costs more than a chord: it is for rays that start on the surface */
-        if (marches && (n > 1 || starts_between(&r, v, &w))) {
-            memcpy(v->work[12], least, n * sizeof *least);
+        const bool leaving = marches && (n > 1 || starts_between(&r, v, &w));
+        if (leaving) {
+            memcpy(before, least, n * sizeof *least);
             vicinity_leave(n, boxes ? 0.25 : 0x1p-5, &r, v, &w, lo, hi, least);
-            if (!boxes) stays_off(s, n, &r, v, seen, v->work[12], least);
+            if (!boxes) stays_off(s, n, &r, v, seen, before, least);
         }
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
-        for (size_t i = 0; i < n; i++) w.wide[i] = rung_above(w.radius[i], FINE);
+        /* nor does it where the ray starts on the surface; where that is steep all over the circle; or beyond
+         * its edge */
+        for (size_t i = 0; i < n; i++) {
+            const double wide = w.wide[i], edge2 = w.radius2[i], fine = rung_above(w.radius[i], FINE);
+            const bool starts = leaving && before[i] > 0 && least[i] == 0,
+                       all = edge2 >= 0.99 * wide * wide, beyond = fine * fine > 1.01 * edge2,
+                       steep = !(w.steep[i] <= STEEPEST) && (all || beyond);
+            w.wide[i] = starts || steep ? HUGE_VAL : fine;
+        }
         extents(s, n, w.wide, FINE, v->asked, kept, &w);
     }
     if (left != 0 && chords) {

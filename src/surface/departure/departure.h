@@ -60,6 +60,9 @@ typedef struct departure {
      * nearby, or their mean. */
     void (*at)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 
+    /* The same P, to the bit, without its gradient.  n is above 1.  NULL: `at` is asked. */
+    void (*alone)(const void *self, size_t n, const double *x, const double *y, double *p);
+
     /* How far `at` can be off at (x, y), with x and y taken as exact:
      *
      *   *p_err     >= |computed P - exact P|

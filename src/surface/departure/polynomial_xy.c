@@ -68,6 +68,33 @@ static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, con
     else polynomial_in(n, a, x, y, p, px, py);
 }
 
+/* The same sums of P alone. */
+SGT_KERNEL
+static void polynomial_alone(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
+                             double *restrict p)
+{
+    double w[DEPARTURE_BLOCK];
+    LANES for (size_t k = 0; k < n; k++) p[k] = 0;
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
+        LANES for (size_t k = 0; k < n; k++) w[k] = 0;
+        for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) {
+            double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2],
+                   a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
+            LANES for (size_t k = 0; k < n; k++) {
+                double t = y[k];
+                w[k] = sgt_fma(sgt_fma(sgt_fma(sgt_fma(w[k], t, a3), t, a2), t, a1), t, a0);
+            }
+        }
+        LANES for (size_t k = 0; k < n; k++) p[k] = sgt_fma(p[k], x[k], w[k]);
+    }
+}
+
+static void xy_p(const void *self, size_t n, const double *x, const double *y, double *p)
+{
+    polynomial_alone(n, ((const sgt_polynomial_xy *)self)->a, x, y, p);
+}
+
 static void xy_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     polynomial_at(n, ((const sgt_polynomial_xy *)self)->a, x, y, out.p, out.px, out.py);
@@ -195,6 +222,58 @@ static int xy_bounds_over(const void *self, region *where, bounds *out)
     return 1;
 }
 
+/* P alone: by the same steps, and in a disc about the origin no more than the terms there add up to. */
+static sgt_interval xy_range(const void *self, const region *where)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    disc p = {0, 0}, x = disc_of(where->x), y = disc_of(where->y);
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
+        disc w = {0, 0};
+        for (size_t j = of.terms; j-- > 0;) w = xy_over(w, y, (disc){of.a[j], 0});
+        p = xy_over(p, x, w);
+    }
+    double radius = xy_bounded(p.radius) + 0x1p-40 * fabs(p.middle);
+    sgt_interval square = {p.middle - radius, p.middle + radius};
+    if (!(radius < HUGE_VAL)) square = sgt_interval_all();
+    const double r = where->r_hi;
+    if (a.rows + a.columns > MOST_HALF_POWERS || !is_disc(xy_greatest(x), xy_greatest(y), r)) return square;
+    double h[MOST_HALF_POWERS], size = 0;
+    half_powers(a.rows + a.columns, h);
+    for (size_t i = 0; i < xy_rows_of(a); i++) {
+        xy_row of = xy_row_of(a, i);
+        double power = integer_power(r, (unsigned)i);
+        for (size_t j = 0; j < of.terms; j++, power *= r)
+            if (of.a[j] != 0) size += fabs(of.a[j]) * larger(power, DBL_MIN) * corner_of(h, i, j);
+    }
+    size = xy_bounded(size * (1 + 0x1p-30));
+    if (!(size < HUGE_VAL)) return square;
+    return sgt_interval_between(larger(square.lo, -size), -larger(-square.hi, -size));
+}
+
+/* The noise and the gradient by degree: both are sums over the terms of a degree, times a power of r. */
+static double xy_along_off(const void *self, double radius)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    double h[MOST_HALF_POWERS], size[2 * MOST_ROWS] = {0}, steep[2 * MOST_ROWS] = {0}, power = 1, off = 0;
+    if (xy_rows_of(a) == 0) return 0; /* it may name any number of columns */
+    half_powers(a.rows + a.columns, h);
+    size_t degrees = 1;
+    for (size_t i = 0; i < xy_rows_of(a); i++) {
+        xy_row of = xy_row_of(a, i);
+        for (size_t j = 0; j < of.terms; j++) {
+            double most = fabs(of.a[j]);
+            size[i + j] += most;
+            if (i > 0) steep[i + j] += most * (double)i * corner_of(h, i - 1, j);
+            if (j > 0) steep[i + j] += most * (double)j * corner_of(h, i, j - 1);
+        }
+        if (i + of.terms > degrees) degrees = i + of.terms;
+    }
+    for (size_t d = 0; d < degrees; d++, power = larger(power * radius, DBL_MIN))
+        off += power * (1.01 * SGT_U * ((double)d + 2) * size[d] + 0x1p-46 * steep[d]);
+    return xy_bounded(off * (1 + 0x1p-30));
+}
+
 /* ------------------------------------------------------------------------------------ sensitivities */
 
 SGT_KERNEL
@@ -302,6 +381,6 @@ static bool xy_along(const void *self, sgt_course *out)
 static const departure polynomial_xy_departure = {
     .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = sgt_xy_second,
     .parameters = xy_parameters, .by_parameter = sgt_xy_by_parameter, .object = xy_object, .noise = xy_noise,
-    .along = xy_along};
+    .range = xy_range, .along = xy_along, .along_off = xy_along_off, .alone = xy_p};
 
 DEPARTURE_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

@@ -21,6 +21,19 @@ static void sum_at(const void *self, size_t n, const double *x, const double *y,
     }
 }
 
+static void sum_alone(const void *self, size_t n, const double *x, const double *y, double *p)
+{
+    const sgt_sum *s = self;
+    double own[DEPARTURE_BLOCK], unread[2][DEPARTURE_BLOCK];
+    for (size_t i = 0; i < n; i++) p[i] = 0;
+    for (size_t k = 0; k < s->count; k++) {
+        const departure *term = of(&s->terms[k]);
+        if (term->alone) term->alone(s->terms[k].self, n, x, y, own);
+        else term->at(s->terms[k].self, n, x, y, (sag_values){own, unread[0], unread[1]});
+        for (size_t i = 0; i < n; i++) p[i] += own[i];
+    }
+}
+
 static void sum_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_sum *s = self;
@@ -165,6 +178,6 @@ static const departure sum_departure = {
     .second = sgt_sum_second,
     .parameters = sum_parameters, .by_parameter = sgt_sum_by_parameter, .object = sum_object,
     .noise = sum_noise,
-    .tail = sum_tail, .along = sum_along};
+    .tail = sum_tail, .along = sum_along, .alone = sum_alone};
 
 DEPARTURE_ON_CONIC(sum, sgt_sum)

@@ -194,8 +194,10 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
         q1 = q, q = q2, d1 = d, d = d2;                                                    \
     } while (0)
 
-/* Adds one to four orders from k on.  `first` and `steps` are constants after inlining. */
-SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
+/* Adds one to four orders from k on.  slopes: the derivatives, too.  `first`, `steps` and `slopes` are
+ * constants after inlining. */
+SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, bool slopes, zernike_work *w,
+                           size_t n)
 {
     const size_t k1 = steps > 1 ? k + 1 : k, k2 = steps > 2 ? k + 2 : k, k3 = steps > 3 ? k + 3 : k;
     const double beta0 = h->beta[k], beta1 = h->beta[k1], beta2 = h->beta[k2], beta3 = h->beta[k3];
@@ -212,30 +214,32 @@ SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, z
         if (steps > 1) STEP(1);
         if (steps > 2) STEP(2);
         if (steps > 3) STEP(3);
-        if (steps > 3) w->q[i] = q, w->q1[i] = q1, w->d[i] = d, w->d1[i] = d1; /* fewer: the end */
-        w->c[i] = c, w->sn[i] = sn, w->dc[i] = dc, w->ds[i] = ds;
+        if (steps > 3) w->q[i] = q, w->q1[i] = q1; /* fewer: the end */
+        if (steps > 3 && slopes) w->d[i] = d, w->d1[i] = d1;
+        w->c[i] = c, w->sn[i] = sn;
+        if (slopes) w->dc[i] = dc, w->ds[i] = ds;
     }
 }
 
-SGT_INLINE void sum_orders(const harmonic *h, zernike_work *w, size_t n)
+SGT_INLINE void sum_orders(const harmonic *h, bool slopes, zernike_work *w, size_t n)
 {
     switch (h->count) {
-    case 1: add_orders(h, 0, true, 1, w, n); return;
-    case 2: add_orders(h, 0, true, 2, w, n); return;
-    case 3: add_orders(h, 0, true, 3, w, n); return;
-    default: add_orders(h, 0, true, 4, w, n);
+    case 1: add_orders(h, 0, true, 1, slopes, w, n); return;
+    case 2: add_orders(h, 0, true, 2, slopes, w, n); return;
+    case 3: add_orders(h, 0, true, 3, slopes, w, n); return;
+    default: add_orders(h, 0, true, 4, slopes, w, n);
     }
     size_t k = 4;
-    for (; k + 4 <= h->count; k += 4) add_orders(h, k, false, 4, w, n);
+    for (; k + 4 <= h->count; k += 4) add_orders(h, k, false, 4, slopes, w, n);
     switch (h->count - k) {
-    case 1: add_orders(h, k, false, 1, w, n); return;
-    case 2: add_orders(h, k, false, 2, w, n); return;
-    case 3: add_orders(h, k, false, 3, w, n); return;
+    case 1: add_orders(h, k, false, 1, slopes, w, n); return;
+    case 2: add_orders(h, k, false, 2, slopes, w, n); return;
+    case 3: add_orders(h, k, false, 3, slopes, w, n); return;
     default: return;
     }
 }
 
-SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
+SGT_INLINE void add_harmonic(const harmonic *h, bool slopes, zernike_work *w, size_t n)
 {
     const double m = h->m;
     LANES
@@ -243,14 +247,15 @@ SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
         double re = w->re[i], im = w->im[i], re1 = w->re1[i], im1 = w->im1[i], c = w->c[i], s = w->sn[i],
                mc = m * c, ms = m * s;
         w->p[i] = sgt_fma(c, re, sgt_fma(s, im, w->p[i]));
+        if (!slopes) continue;
         w->g[i] = sgt_fma(w->dc[i], re, sgt_fma(w->ds[i], im, w->g[i]));
         w->gx[i] = sgt_fma(mc, re1, sgt_fma(ms, im1, w->gx[i]));
         w->gy[i] = sgt_fma(ms, re1, sgt_fma(-mc, im1, w->gy[i]));
     }
 }
 
-SGT_INLINE void sum_harmonics(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
-                              double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void sum_harmonics(const sgt_zernike *z, size_t only, bool slopes, size_t n, const double *x,
+                              const double *y, double *restrict p, double *restrict px, double *restrict py)
 {
     zernike_work w;
     harmonic h;
@@ -260,14 +265,17 @@ SGT_INLINE void sum_harmonics(const sgt_zernike *z, size_t only, size_t n, const
         if (m > 0) zernike_turn(&w, n);
         gather(z, only, m, &h);
         if (h.count == 0) continue;
-        sum_orders(&h, &w, n);
-        add_harmonic(&h, &w, n);
+        sum_orders(&h, slopes, &w, n);
+        add_harmonic(&h, slopes, &w, n);
         if (only < MOST_TERMS) break; /* all others are 0 */
     }
     LANES
+    for (size_t i = 0; i < n; i++) p[i] = w.p[i];
+    if (!slopes) return;
+    LANES
     for (size_t i = 0; i < n; i++) {
         double g2 = w.g[i] + w.g[i];
-        p[i] = w.p[i], px[i] = sgt_fma(g2, w.x[i], w.gx[i]) * back,
+        px[i] = sgt_fma(g2, w.x[i], w.gx[i]) * back,
         py[i] = sgt_fma(g2, w.y[i], w.gy[i]) * back;
     }
 }
@@ -276,7 +284,7 @@ SGT_KERNEL
 static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
                          double *p, double *px, double *py)
 {
-    sum_harmonics(z, only, n, x, y, p, px, py);
+    sum_harmonics(z, only, true, n, x, y, p, px, py);
 }
 
 /* The same at one point, without the loops. */
@@ -284,7 +292,19 @@ SGT_NOINLINE
 static void zernike_alone(const sgt_zernike *z, const double *x, const double *y, double *p, double *px,
                           double *py)
 {
-    sum_harmonics(z, MOST_TERMS, 1, x, y, p, px, py);
+    sum_harmonics(z, MOST_TERMS, true, 1, x, y, p, px, py);
+}
+
+/* P alone: what only its gradient reads is not computed. */
+SGT_KERNEL
+static void zernike_sums_alone(const sgt_zernike *z, size_t n, const double *x, const double *y, double *p)
+{
+    sum_harmonics(z, MOST_TERMS, false, n, x, y, p, NULL, NULL);
+}
+
+static void zernike_p(const void *self, size_t n, const double *x, const double *y, double *p)
+{
+    zernike_sums_alone(self, n, x, y, p);
 }
 
 static void zernike_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
@@ -564,6 +584,7 @@ static bool zernike_along(const void *self, sgt_course *out)
 static const departure zernike_departure = {
     .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = sgt_zernike_second,
     .parameters = zernike_parameters, .by_parameter = sgt_zernike_by_parameter, .object = zernike_object,
-    .noise = zernike_noise, .bent = zernike_bent, .along = zernike_along};
+    .noise = zernike_noise, .bent = zernike_bent, .along = zernike_along,
+    .alone = zernike_p};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)
