@@ -430,22 +430,37 @@ static bool asks_leave(sgt_surface s, const sgt_options *opt)
            opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
 }
 
-/* A start that `leave` knows to meet nothing.  It is asked where `on` tells nothing; else sgt_intersect has
- * the same answer. */
-static bool leaves_for_good(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
+/* A start that `leave` has an answer for.  It is asked where `on` tells nothing; else sgt_intersect has the
+ * same answer. */
+static bool leave_answers(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
 {
     sgt_status status[1] = {SGT_HARD};
-    double behind[1] = {0}, t_tol[1] = {0};
+    double behind[1] = {0}, t_tol[1] = {0}, to[10];
     int evals[1] = {0};
     const double *const nowhere[3] = {NULL, NULL, NULL};
     if (!asks_leave(s, opt) || !start_sound(from) || known_on(s, 0, nowhere, behind)) return false;
     const sgt_ray ray = ray_from(from, from->p);
-    const sgt_tile one = {
-        .n = 1, .rays = rays_of(&ray), .t_tol = t_tol, .hits = {.status = status, .evals = evals}};
+    const sgt_tile one = {.n = 1,
+                          .rays = rays_of(&ray),
+                          .t_tol = t_tol,
+                          .hits = {.status = status,
+                                   .evals = evals,
+                                   .t = to,
+                                   .t_err = to + 1,
+                                   .t_lo = to + 2,
+                                   .p = {to + 3, to + 4, to + 5},
+                                   .n = {to + 6, to + 7, to + 8},
+                                   .p_err = to + 9}};
     s.ops->own_->leave(s.self, &one, behind);
-    if (status[0] != SGT_MISS) return false;
-    *out = (sgt_crossing){
-        .ray = ray, .hit = hit_without(SGT_MISS, &ray, evals[0]), .side = (signed char)behind[0]};
+    if (status[0] == SGT_HARD) return false;
+    *out = (sgt_crossing){.ray = ray, .side = (signed char)behind[0]};
+    if (status[0] == SGT_MISS) {
+        out->hit = hit_without(SGT_MISS, &ray, evals[0]);
+        return true;
+    }
+    const meeting at = {.t = to[0], .t_err = to[1], .t_lo = to[2], .p_err = to[9], .p = {to[3], to[4], to[5]},
+                        .n = {to[6], to[7], to[8]}};
+    out->hit = hit_found(status[0], evals[0], s.ops->value(s.self, at.p, NULL), &at);
     return true;
 }
 
@@ -454,7 +469,7 @@ sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *
     sgt_crossing out = {.side = 0};
     sgt_options own = first_of(opt);
     s = in_set(s);
-    if (ROOM_IS_ZERO(from) && leaves_for_good(s, from, &own, &out)) return out;
+    if (ROOM_IS_ZERO(from) && leave_answers(s, from, &own, &out)) return out;
     place at = place_to_leave(s, from);
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);

@@ -1087,19 +1087,31 @@ static size_t asphere_leave(const void *self, const sgt_tile *tile, double behin
     sgt_status *status = tile->hits.status;
     wavy v;
     mask misses[SGT_TILE];
-    size_t hard = n;
     memset(status, SGT_HARD, n);
     if (!asphere_valid(s)) return n;
     if (!terms) return sgt_conic_leave(s->c, s->k, s->semi_diameter, tile, behind);
     const shape h = shape_of(s, terms);
     if (!rim_in_range(h.rim2) || !wavy_of(&h, false, &v)) return n;
-    if (sgt_asphere_from_start(&h, &v, tile, misses, behind)) memset(status, SGT_MISS, n), hard = 0;
-    for (size_t i = 0; hard > 0 && i < n; i++)
-        if (misses[i]) status[i] = SGT_MISS, hard--;
-        else behind[i] = 0;
-    if (hard == n) return n;
+    bool all = sgt_asphere_from_start(&v, terms, tile, misses, behind), bowl = false;
+    convex b;
+    if (!all) {
+        tile_bend_of(&v, &b);
+        bowl = is_bowl(&b);
+        if (bowl) sgt_asphere_past_rim(&b, tile, misses, behind);
+        else sgt_asphere_past_rings(&h, tile, misses, behind);
+    }
+    size_t left = 0;
+    for (size_t i = 0; !all && i < n; i++) left += !misses[i];
     lane_nothing(tile);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 1;
+    if (!left) memset(status, SGT_MISS, n);
+    if (!left) return 0;
+    if (bowl) sgt_asphere_left_bowl(&v, terms, &b, tile, misses, behind);
+    size_t hard = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!bowl) status[i] = misses[i] ? SGT_MISS : SGT_HARD;
+        if (status[i] == SGT_HARD) behind[i] = 0, hard++;
+    }
     return hard;
 }
 

@@ -352,7 +352,7 @@ static size_t beside_status(size_t n, const mask *hit, const mask *away, sgt_sta
 typedef struct beside {
     const wavy *s;
     const convex *b;
-    bool few, first; /* few terms; the first root */
+    bool few, first, rises; /* few terms; the first root; all rays start on it, and sigma F rises there */
 } beside;
 
 /* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
@@ -370,11 +370,15 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
     if (left && r->afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, r);
     static const mask none[SIDE_TILE];
     r->rises = r->falls = none;
+    if (of->rises) {
+        memset(r->starts[0], 0xff, n * sizeof *r->starts[0]), memset(r->on, 0, n * sizeof *r->on);
+        r->rises = r->starts[0];
+    }
     if (!left) {
         memset(r->on, 0, n * sizeof *r->on), memset(r->above, 0, n * sizeof *r->above);
         memset(r->below, 0, n * sizeof *r->below);
     }
-    for (int k = 0; k < 2 && left; k++) {
+    for (int k = of->rises ? 1 : 0; k < 2 && left; k++) {
         const beside_said some =
             few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
                 : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
@@ -462,7 +466,7 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, 
                                 const sgt_tile *tile, size_t before, const easy_tried *tried)
 {
     beside_room r;
-    const beside of = {s, b, h->terms <= FEW_TERMS, first};
+    const beside of = {s, b, h->terms <= FEW_TERMS, first, false};
     size_t hard = 0;
     if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {
@@ -471,4 +475,91 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, 
         hard += beside_all(&of, lane_wish_of(&part), &part, tried->begun + i, lane_to_of(&part, &r.ends), &r);
     }
     return hard;
+}
+
+/* ------------------------------------------------------------------- leaving a bowl */
+
+/* LEAVING A BOWL.  Let S be bent in one way as far as it goes, up to r = R, and let a ray start on it, at a
+ * root that is the only one near it and is not accepted (FROM ON IT).  sigma F is concave along the ray as
+ * long as r <= R, which is one stretch.  So
+ *     if it falls at the start,    it falls on, and the ray misses;
+ *     if it rises,                 it is > 0 behind the start, and has one zero at most;
+ *     and if it is > 0 at the end, it has none: the ray misses.
+ *
+ * THE END is where r^2 = R^2.  z is taken at D, where r^2 = E with E = R^2 (1 + 2^-20): with a = l^2 + m^2
+ * and b = x l + y m at the start, D a = sqrt(d) - b, d = b^2 + a (E - r^2).  The end is before it by
+ *     (sqrt(d) - sqrt(d - a (E - R^2))) / a <= (E - R^2) / sqrt(d).
+ * So sigma z there is at least sigma z(D) - |n| (E - R^2) / sqrt(d), and if that is above the highest of S,
+ * sigma F is above 0.  As r^2 <= R^2 as computed, E - r^2 is known to 2^-30 of itself, and d and its root as
+ * well; the sum of z by 2^-40 of its terms. */
+SGT_KERNEL
+static void asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[])
+{
+    const sgt_rays rows = tile->rays;
+    const double sign = b->sign, most = (sign > 0 ? b->high : b->low) * (1 + 0x1p-30), edge2 = b->edge2;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
+        double a = l * l + m * m, along = x * l + y * m, d = along * along + a * (edge2 - (x * x + y * y)),
+               root = sqrt(d), up = sign * (z * a + n * (root - along)) - most * a,
+               unsure = 0x1p-30 * (fabs(z) * a + fabs(n) * (root + fabs(along))),
+               rises = sign * behind[i];
+        mask past = MASK((up - unsure) * root > 0x1p-19 * (fabs(n) * (a * edge2)));
+        misses[i] |= MASK(rises < 0) | (MASK(rises > 0) & past);
+    }
+}
+
+void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[])
+{
+    asphere_past_rim(b, tile, misses, behind);
+}
+
+/* The rays that rise are put side by side, and met from the side: as a single ray that sgt_asphere_beside
+ * knows to start on the surface. */
+void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
+                           const mask misses[], const double behind[])
+{
+    static const double zero[SIDE_TILE];
+    beside_room r;
+    double ray[7][SIDE_TILE], (*out)[SIDE_TILE] = r.of;
+    int evals[SIDE_TILE];
+    sgt_status status[SIDE_TILE];
+    bool begun[SIDE_TILE];
+    unsigned char number[SIDE_TILE];
+    const beside of = {s, b, terms <= FEW_TERMS, true, true};
+    const sgt_rays *all = &tile->rays;
+    const sgt_hits *hits = &tile->hits;
+    const lane_wish wish = lane_wish_of(tile);
+    const lane_outputs rows = lane_outputs_of(hits);
+    const double *const from[7] = {all->o[0], all->o[1], all->o[2], all->d[0],
+                                   all->d[1], all->d[2], all->tmax};
+    const lane_to to = {out[0], out[1], out[2], out[3], out[4],     out[5],
+                        out[6], out[7], out[8], out[9], r.ends.hit};
+    memset(begun, true, sizeof begun);
+    for (size_t i = 0; i < tile->n; i++) hits->status[i] = misses[i] ? SGT_MISS : SGT_HARD;
+    for (size_t i = 0; i < tile->n;) {
+        size_t n = 0;
+        for (; i < tile->n && n < SIDE_TILE; i++)
+            if (!misses[i] && behind[i] != 0) number[n++] = (unsigned char)i;
+        if (!n) break;
+        for (int k = 0; k < 7; k++)
+            for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
+        for (size_t j = 0; j < n; j++) evals[j] = 2;
+        const sgt_tile few = {.n = n,
+                              .rays = {.o = {ray[0], ray[1], ray[2]},
+                                       .d = {ray[3], ray[4], ray[5]},
+                                       .tmin = zero,
+                                       .tmax = ray[6]},
+                              .t_tol = zero,
+                              .hits = {.status = status, .evals = hits->evals ? evals : NULL}};
+        beside_all(&of, wish, &few, begun, to, &r);
+        mask any = 0;
+        for (size_t j = 0; j < n; j++) hits->status[number[j]] = status[j], any |= r.ends.hit[j];
+        for (size_t j = 0; hits->evals && j < n; j++) hits->evals[number[j]] = evals[j];
+        for (int k = 0; any && k < 10; k++) /* of a ray that is not met: NaN */
+            if (rows.of[k])
+                for (size_t j = 0; j < n; j++) rows.of[k][number[j]] = out[k][j];
+    }
 }

@@ -115,10 +115,11 @@ SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
     return r2 < 0x1p400 ? r2 : 0; /* a NaN, without an edge: 0 */
 }
 
-/* The sag where it ends.  phi may be 0 there, so the base is off by 2^-25 of itself. */
+/* The sag where a stretch may end (AN END): somewhat beyond the rim, or at the equator.  phi may be 0 there,
+ * so the base is off by 2^-25 of itself. */
 SGT_INLINE double sag_at_edge(const wavy *s, const convex *b)
 {
-    const double r2 = s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
+    const double r2 = b->ckc * b->edge2 < 1 ? b->edge2 : s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
     return s->c * r2 / (1 + phi) * (1 + 0x1p-24) + r2 * horner(s->a, ALL_TERMS, r2);
 }
 
@@ -588,11 +589,23 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
-/* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else?  By the slope within the
- * rim, else by rings (LEAVING in asphere/unique.c).  behind[i]: the sign of F right behind such a start; 0:
- * it is not known to be one.  Returns true if all misses[i] are set. */
-bool sgt_asphere_from_start(const shape *s, const wavy *v, const sgt_tile *tile, mask misses[],
-                            double behind[]);
+/* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else, by the slope within the rim
+ * (asphere/unique.c)?  behind[i]: the sign of F right behind such a start; 0: it is not known to be one.
+ * Returns true if all misses[i] are set. */
+bool sgt_asphere_from_start(const wavy *v, int terms, const sgt_tile *tile, mask misses[], double behind[]);
+
+/* Sets misses[i] of those that meet nothing else, by rings (LEAVING in asphere/unique.c). */
+void sgt_asphere_past_rings(const shape *s, const sgt_tile *tile, mask misses[], const double behind[]);
+
+/* The same where the surface is bent in one way as far as it goes (LEAVING A BOWL in asphere/side.c). */
+void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[]);
+
+/* Meets those that are left, of such a surface.  Sets the status of each to SGT_HIT, SGT_MISS or SGT_HARD. */
+void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
+                           const mask misses[], const double behind[]);
+
+/* Is it bent in one way as far as it goes? */
+SGT_INLINE bool is_bowl(const convex *b) { return b->whole || b->everywhere; }
 
 /* Which rays start on the surface, or in the vertex, and certainly meet nothing else?  By the cone
  * (asphere/unique.c).  leaves[i] stays as it is if that is so, otherwise it is set to 0.  hits and t_tol are
