@@ -430,15 +430,22 @@ static bool asks_leave(sgt_surface s, const sgt_options *opt)
            opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
 }
 
-/* A start that `leave` has an answer for.  It is asked where `on` tells nothing; else sgt_intersect has the
- * same answer. */
+/* Are the hits of `leave` those of sgt_intersect, so that their sides are told as there?  That is so where
+ * `on` tells which starts are on the surface. */
+static bool sides_of_hits(sgt_surface s)
+{
+    const double *const nowhere[3] = {NULL, NULL, NULL};
+    double on[1] = {0};
+    return known_on(s, 0, nowhere, on);
+}
+
+/* A start that `leave` has an answer for, with its side. */
 static bool leave_answers(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
 {
     sgt_status status[1] = {SGT_HARD};
     double behind[1] = {0}, t_tol[1] = {0}, to[10];
     int evals[1] = {0};
-    const double *const nowhere[3] = {NULL, NULL, NULL};
-    if (!asks_leave(s, opt) || !start_sound(from) || known_on(s, 0, nowhere, behind)) return false;
+    if (!asks_leave(s, opt) || !start_sound(from) || sides_of_hits(s)) return false;
     const sgt_ray ray = ray_from(from, from->p);
     const sgt_tile one = {.n = 1,
                           .rays = rays_of(&ray),
@@ -945,13 +952,19 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
         if (side) bytes_of(n, behind, side + at);
         return true;
     }
-    const bool together = 8 * hard > n;
+    const bool together = 8 * hard > n, own_sides = !sides_of_hits(s);
     double *told = tmax; /* not read any more */
-    for (size_t i = 0; i < n; i += ASKS) states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
-    sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
-                 p_err ? p_err : none, to->t, state, told);
-    double known, open;
-    sides_known(n, state, told, behind, &known, &open);
+    double known = 0, open = (double)hard;
+    if (own_sides) {
+        for (size_t i = 0; i < n; i++) known += to->status[i] > 0;
+        for (size_t i = 0; hard > 0 && i < n; i++) told[i] = to->status[i] == SGT_HARD ? OPEN : 0;
+    } else {
+        for (size_t i = 0; i < n; i += ASKS)
+            states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
+        sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
+                     p_err ? p_err : none, to->t, state, told);
+        sides_known(n, state, told, behind, &known, &open);
+    }
     *met += (size_t)known;
     if (side) bytes_of(n, behind, side + at);
     for (size_t i = 0; open != 0 && i < n; i++) {

@@ -1079,6 +1079,20 @@ static bool asphere_behind(const void *self, size_t n, const sgt_rays *rays, dou
     return true;
 }
 
+/* SGT_MISS or SGT_HARD.  Returns how many are hard. */
+SGT_KERNEL
+static size_t asphere_left(size_t n, const mask misses[], sgt_status *restrict status)
+{
+    mask hard = 0;
+    _Pragma("omp simd reduction(+ : hard)") for (size_t i = 0; i < n; i++)
+    {
+        const mask gone = misses[i];
+        status[i] = (signed char)((int)(gone & (SGT_MISS - SGT_HARD)) + SGT_HARD);
+        hard -= ~gone;
+    }
+    return (size_t)hard;
+}
+
 static size_t asphere_leave(const void *self, const sgt_tile *tile, double behind[])
 {
     const sgt_even_asphere *s = self;
@@ -1100,18 +1114,14 @@ static size_t asphere_leave(const void *self, const sgt_tile *tile, double behin
         if (bowl) sgt_asphere_past_rim(&b, tile, misses, behind);
         else sgt_asphere_past_rings(&h, tile, misses, behind);
     }
-    size_t left = 0;
-    for (size_t i = 0; !all && i < n; i++) left += !misses[i];
     lane_nothing(tile);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 1;
-    if (!left) memset(status, SGT_MISS, n);
-    if (!left) return 0;
-    if (bowl) sgt_asphere_left_bowl(&v, terms, &b, tile, misses, behind);
-    size_t hard = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (!bowl) status[i] = misses[i] ? SGT_MISS : SGT_HARD;
-        if (status[i] == SGT_HARD) behind[i] = 0, hard++;
-    }
+    size_t hard = all ? 0 : asphere_left(n, misses, status);
+    if (all || !hard) memset(status, SGT_MISS, n);
+    if (hard && bowl) sgt_asphere_left_bowl(&v, terms, &b, tile, misses, behind);
+    for (size_t i = 0; hard && bowl && i < n; i++) hard -= status[i] == SGT_HIT;
+    for (size_t i = 0; hard && i < n; i++)
+        if (status[i] == SGT_HARD) behind[i] = 0;
     return hard;
 }
 

@@ -352,8 +352,32 @@ static size_t beside_status(size_t n, const mask *hit, const mask *away, sgt_sta
 typedef struct beside {
     const wavy *s;
     const convex *b;
-    bool few, first, rises; /* few terms; the first root; all rays start on it, and sigma F rises there */
+    bool few, first; /* few terms; the first root */
 } beside;
+
+/* From the seeds to the answers. */
+SGT_NOINLINE static void beside_roots(const beside *of, lane_wish wish, const sgt_tile *tile, lane_to to,
+                                      beside_room *r)
+{
+    const wavy *s = of->s;
+    const convex *b = of->b;
+    const bool few = of->few, counts = tile->hits.evals;
+    const size_t n = tile->n;
+    mask again = MASK(true);
+    for (int k = 0; k < SIDE_STEPS && again; k++) {
+        for (size_t i = 0; counts && i < n; i++) r->steps[i] += r->again[i] != 0;
+        if (k == 0)
+            again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, b, tile, r);
+        else
+            again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
+    }
+    mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, tile, r);
+    for (size_t i = 0; blunt && counts && i < n; i++) r->steps[i] += r->again[i] != 0;
+    if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, r);
+    (!few                ? asphere_beside_told
+     : wish >= LANE_FINE ? asphere_beside_few_told_rich
+                         : asphere_beside_few_told)(s, b, tile, to, r);
+}
 
 /* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
  * rounds of easy.h has taken one evaluation there.  Returns how many are left. */
@@ -370,15 +394,11 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
     if (left && r->afar) (few ? asphere_beside_few_ways : asphere_beside_ways)(s, tile, r);
     static const mask none[SIDE_TILE];
     r->rises = r->falls = none;
-    if (of->rises) {
-        memset(r->starts[0], 0xff, n * sizeof *r->starts[0]), memset(r->on, 0, n * sizeof *r->on);
-        r->rises = r->starts[0];
-    }
     if (!left) {
         memset(r->on, 0, n * sizeof *r->on), memset(r->above, 0, n * sizeof *r->above);
         memset(r->below, 0, n * sizeof *r->below);
     }
-    for (int k = of->rises ? 1 : 0; k < 2 && left; k++) {
+    for (int k = 0; k < 2 && left; k++) {
         const beside_said some =
             few ? (first ? asphere_beside_few_first : asphere_beside_few_near)(s, b, tile, r)
                 : (first ? asphere_beside_first : asphere_beside_near)(s, b, tile, r);
@@ -390,22 +410,7 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
         r->rises = r->starts[0], r->falls = r->starts[1];
     }
     if (!left) memset(r->ends.hit, 0, n * sizeof *r->ends.hit);
-    if (left) {
-        mask again = MASK(true);
-        for (int k = 0; k < SIDE_STEPS && again; k++) {
-            for (size_t i = 0; hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
-            if (k == 0)
-                again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, b, tile, r);
-            else
-                again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
-        }
-        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, tile, r);
-        for (size_t i = 0; blunt && hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
-        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, r);
-        (!few                  ? asphere_beside_told
-         : wish >= LANE_FINE ? asphere_beside_few_told_rich
-                               : asphere_beside_few_told)(s, b, tile, to, r);
-    }
+    if (left) beside_roots(of, wish, tile, to, r);
     for (size_t i = 0; hits->evals && i < n; i++) { /* of a hit and of a hard ray with that of F at the end */
         int evals = (begun[i] ? hits->evals[i] : 2) + (r->asked[i] ? 2 : 0) + (r->on[i] ? 1 : 0) -
                     (r->away[i] ? 1 : 0);
@@ -466,7 +471,7 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, 
                                 const sgt_tile *tile, size_t before, const easy_tried *tried)
 {
     beside_room r;
-    const beside of = {s, b, h->terms <= FEW_TERMS, first, false};
+    const beside of = {s, b, h->terms <= FEW_TERMS, first};
     size_t hard = 0;
     if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {
@@ -516,50 +521,77 @@ void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], 
     asphere_past_rim(b, tile, misses, behind);
 }
 
-/* The rays that rise are put side by side, and met from the side: as a single ray that sgt_asphere_beside
- * knows to start on the surface. */
+/* THE ROOT is looked for from the start as the local origin, with t0 = 0: of the two roots of the conic of
+ * curvature c + 2 a[0] the other one is the guess, or D if that is nearer. */
+SGT_KERNEL
+static void asphere_left_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double edge2 = b->edge2, bowl = b->bowl, ck = s->ck;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
+        double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y,
+               to = (sqrt(along * along + a * (edge2 - rho)) - along) / a, A = sgt_fma(bowl, a, ck * (n * n)),
+               B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A;
+        r->tau2[i] = chosen(MASK(tau > 0) & MASK(tau < to), tau, to);
+        r->x[i] = x, r->y[i] = y, r->z[i] = z, r->rho0[i] = rho, r->t0[i] = 0;
+        r->r2[i] = rho * (1 + 0x1p-10);
+        r->above[i] = r->again[i] = MASK(true), r->below[i] = 0;
+    }
+}
+
+/* Statuses of rays that have been met, or not. */
+static void left_told(size_t n, const mask *hit, const unsigned char *number, sgt_status *status)
+{
+    for (size_t j = 0; j < n; j++) status[number[j]] = hit[j] ? SGT_HIT : SGT_HARD;
+}
+
+/* The rays that rise are put side by side. */
 void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
                            const mask misses[], const double behind[])
 {
     static const double zero[SIDE_TILE];
     beside_room r;
     double ray[7][SIDE_TILE], (*out)[SIDE_TILE] = r.of;
-    int evals[SIDE_TILE];
-    sgt_status status[SIDE_TILE];
-    bool begun[SIDE_TILE];
-    unsigned char number[SIDE_TILE];
-    const beside of = {s, b, terms <= FEW_TERMS, true, true};
+    unsigned char number[SGT_TILE];
+    const beside of = {s, b, terms <= FEW_TERMS, true};
     const sgt_rays *all = &tile->rays;
     const sgt_hits *hits = &tile->hits;
-    const lane_wish wish = lane_wish_of(tile);
     const lane_outputs rows = lane_outputs_of(hits);
-    const double *const from[7] = {all->o[0], all->o[1], all->o[2], all->d[0],
-                                   all->d[1], all->d[2], all->tmax};
+    const double *x = all->o[0], *y = all->o[1], *z = all->o[2], *l = all->d[0], *m = all->d[1],
+                 *n = all->d[2], *tmax = all->tmax;
     const lane_to to = {out[0], out[1], out[2], out[3], out[4],     out[5],
                         out[6], out[7], out[8], out[9], r.ends.hit};
-    memset(begun, true, sizeof begun);
-    for (size_t i = 0; i < tile->n; i++) hits->status[i] = misses[i] ? SGT_MISS : SGT_HARD;
-    for (size_t i = 0; i < tile->n;) {
-        size_t n = 0;
-        for (; i < tile->n && n < SIDE_TILE; i++)
-            if (!misses[i] && behind[i] != 0) number[n++] = (unsigned char)i;
-        if (!n) break;
-        for (int k = 0; k < 7; k++)
-            for (size_t j = 0; j < n; j++) ray[k][j] = from[k][number[j]];
-        for (size_t j = 0; j < n; j++) evals[j] = 2;
-        const sgt_tile few = {.n = n,
+    size_t left = 0;
+    for (size_t i = 0; i < tile->n; i++) {
+        number[left] = (unsigned char)i;
+        left += !misses[i] & (behind[i] != 0);
+    }
+    for (size_t from = 0, some; from < left; from += some) {
+        const unsigned char *own = number + from;
+        some = left - from < SIDE_TILE ? left - from : SIDE_TILE;
+        for (size_t j = 0; j < some; j++) {
+            const size_t i = own[j];
+            ray[0][j] = x[i], ray[1][j] = y[i], ray[2][j] = z[i], ray[3][j] = l[i], ray[4][j] = m[i];
+            ray[5][j] = n[i], ray[6][j] = tmax[i];
+        }
+        const sgt_tile few = {.n = some,
                               .rays = {.o = {ray[0], ray[1], ray[2]},
                                        .d = {ray[3], ray[4], ray[5]},
                                        .tmin = zero,
                                        .tmax = ray[6]},
                               .t_tol = zero,
-                              .hits = {.status = status, .evals = hits->evals ? evals : NULL}};
-        beside_all(&of, wish, &few, begun, to, &r);
-        mask any = 0;
-        for (size_t j = 0; j < n; j++) hits->status[number[j]] = status[j], any |= r.ends.hit[j];
-        for (size_t j = 0; hits->evals && j < n; j++) hits->evals[number[j]] = evals[j];
-        for (int k = 0; any && k < 10; k++) /* of a ray that is not met: NaN */
+                              .hits = {.evals = hits->evals}};
+        if (hits->evals) memset(r.steps, 0, some * sizeof *r.steps);
+        asphere_left_seeds(s, b, &few, &r);
+        beside_roots(&of, lane_wish_of(tile), &few, to, &r);
+        left_told(some, r.ends.hit, own, hits->status);
+        for (size_t j = 0; hits->evals && j < some; j++) hits->evals[own[j]] = 3 + r.steps[j];
+        for (int k = 0; k < 10; k++) /* of a ray that is not met: NaN */
             if (rows.of[k])
-                for (size_t j = 0; j < n; j++) rows.of[k][number[j]] = out[k][j];
+                for (size_t j = 0; j < some; j++) rows.of[k][own[j]] = out[k][j];
     }
 }

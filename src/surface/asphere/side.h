@@ -521,12 +521,15 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
                    .small = at->tau};
     double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
            dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * found->inverse,
-           pz = sgt_fma(at->tau, n, q->z);
+           pz = sgt_fma(at->tau, n, q->z), steep2 = g * (g * rho),
+           inherited = fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y)));
     mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
-                 is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
+                 (MASK(b->whole) | is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)))),
+         place = (MASK(steep2 <= STEEP2) & MASK(inherited <= 12 * fabs(pz))) |
+                 (MASK(steep2 > STEEP2) & MASK(steep2 < 0x1p40) &
+                  MASK(inherited * inherited <= 4 * (pz * pz) * (1 + steep2)));
     lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
-                     known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
-                         MASK(fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y))) <= 12 * fabs(pz)));
+                     known & MASK(fabs(t) < 0x1p300) & place);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     return e;
 }
@@ -600,7 +603,7 @@ void sgt_asphere_past_rings(const shape *s, const sgt_tile *tile, mask misses[],
 /* The same where the surface is bent in one way as far as it goes (LEAVING A BOWL in asphere/side.c). */
 void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[]);
 
-/* Meets those that are left, of such a surface.  Sets the status of each to SGT_HIT, SGT_MISS or SGT_HARD. */
+/* Meets those that are left, of such a surface.  Gives SGT_HIT to some. */
 void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
                            const mask misses[], const double behind[]);
 
