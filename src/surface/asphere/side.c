@@ -521,26 +521,68 @@ void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], 
     asphere_past_rim(b, tile, misses, behind);
 }
 
-/* THE ROOT is looked for from the start as the local origin, with t0 = 0: of the two roots of the conic of
- * curvature c + 2 a[0] the other one is the guess, or D if that is nearer. */
-SGT_KERNEL
-static void asphere_left_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+/* log2 x + 1023, off by less than 0.09, of a positive number; of 0 it is 0. */
+SGT_INLINE double left_log(double x)
+{
+    unsigned long long bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits = bits >> 32 | 0x4330000000000000ull; /* 2^52 + the upper half */
+    memcpy(&x, &bits, sizeof bits);
+    return (x - 0x1p52) * 0x1p-20;
+}
+
+/* 2^(y - 1023) to a tenth; y is made one of 1 to 2046. */
+SGT_INLINE double left_power(double y)
+{
+    unsigned long long bits;
+    y = larger(smaller(y, 2046), 1) * 0x1p20 + 0x1p52;
+    memcpy(&bits, &y, sizeof bits);
+    bits <<= 32;
+    memcpy(&y, &bits, sizeof y);
+    return y;
+}
+
+/* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly: from
+ * there Newton's steps on a concave function lead to the root.  It is the least of
+ *     D,
+ *     the other root of the conic of curvature c + 2 a[0],
+ *     and for each i where the chord has its start's r again, and from there on s farther, with
+ *         |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0. */
+SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, const sgt_tile *tile, beside_room *r)
 {
     const sgt_rays rows = tile->rays;
-    const double edge2 = b->edge2, bowl = b->bowl, ck = s->ck;
-    size_t count = tile->n;
+    const double edge2 = b->edge2, bowl = b->bowl, ck = s->ck, sign = b->sign;
+    const size_t count = tile->n;
+    double log_a[ALL_TERMS];
+    for (int i = 0; i < terms; i++) log_a[i] = left_log(larger(sign * s->a[i], 0));
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
-        double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y,
-               to = (sqrt(along * along + a * (edge2 - rho)) - along) / a, A = sgt_fma(bowl, a, ck * (n * n)),
-               B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A;
-        r->tau2[i] = chosen(MASK(tau > 0) & MASK(tau < to), tau, to);
+        double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y, by = 1 / a,
+               to = (sqrt(along * along + a * (edge2 - rho)) - along) * by,
+               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A,
+               log_n = left_log(larger(sign * n, 0)), log_side = left_log(a) - 1023, far = 2046;
+        UNROLLED
+        for (int k = 0; k < terms; k++)
+            far = smaller(far, (log_n - log_a[k] - (k + 1) * log_side) * (1.0 / (2 * k + 1)) + 1023);
+        far = sgt_fma(1.25, left_power(far), -2 * smaller(along, 0) * by);
+        tau = chosen(MASK(tau > 0) & MASK(tau < far), tau, far);
+        r->tau2[i] = chosen(MASK(tau < to), tau, to);
         r->x[i] = x, r->y[i] = y, r->z[i] = z, r->rho0[i] = rho, r->t0[i] = 0;
         r->r2[i] = rho * (1 + 0x1p-10);
         r->above[i] = r->again[i] = MASK(true), r->below[i] = 0;
     }
+}
+SGT_KERNEL
+static void asphere_left_few_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+{
+    left_seeds(s, b, FEW_TERMS, tile, r);
+}
+SGT_KERNEL
+static void asphere_left_all_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+{
+    left_seeds(s, b, ALL_TERMS, tile, r);
 }
 
 /* Statuses of rays that have been met, or not. */
@@ -586,7 +628,7 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
                               .t_tol = zero,
                               .hits = {.evals = hits->evals}};
         if (hits->evals) memset(r.steps, 0, some * sizeof *r.steps);
-        asphere_left_seeds(s, b, &few, &r);
+        (of.few ? asphere_left_few_seeds : asphere_left_all_seeds)(s, b, &few, &r);
         beside_roots(&of, lane_wish_of(tile), &few, to, &r);
         left_told(some, r.ends.hit, own, hits->status);
         for (size_t j = 0; hits->evals && j < some; j++) hits->evals[own[j]] = 3 + r.steps[j];
