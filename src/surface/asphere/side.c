@@ -545,7 +545,7 @@ SGT_INLINE double left_power(double y)
 /* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly: from
  * there Newton's steps on a concave function lead to the root.  It is the least of
  *     D,
- *     the other root of the conic of curvature c + 2 a[0],
+ *     the other root of the conic of curvature c + 2 a[0], if it is on this sheet,
  *     and for each i where the chord has its start's r again, and from there on s farther, with
  *         |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0. */
 SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, const sgt_tile *tile, beside_room *r)
@@ -567,7 +567,7 @@ SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, const sgt_
         for (int k = 0; k < terms; k++)
             far = smaller(far, (log_n - log_a[k] - (k + 1) * log_side) * (1.0 / (2 * k + 1)) + 1023);
         far = sgt_fma(1.25, left_power(far), -2 * smaller(along, 0) * by);
-        tau = chosen(MASK(tau > 0) & MASK(tau < far), tau, far);
+        tau = chosen(MASK(tau > 0) & MASK(tau < far) & MASK(ck * sgt_fma(tau, n, z) < 1), tau, far);
         r->tau2[i] = chosen(MASK(tau < to), tau, to);
         r->x[i] = x, r->y[i] = y, r->z[i] = z, r->rho0[i] = rho, r->t0[i] = 0;
         r->r2[i] = rho * (1 + 0x1p-10);

@@ -44,7 +44,8 @@
  * the sum.  Horner's rule rounds P by another first rho.  With Q = 6 rho + rho0
  *     w is off by first Q + |z0| + |z| + |w|,
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
- * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
+ * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h, whose
+ * 2 W1 stands for |v| W1.  Far out on a hyperboloid v is more than 2: then it is taken itself.
  *
  * SHARP.  Where the ray runs along the surface, or its local origin is far from the root, t is not sharp:
  * known to some hundreds of u.  Then G is computed once more, from the point at T = t0 + tau, which is a
@@ -55,7 +56,8 @@
  * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
  *
  * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
- * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.
+ * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there; or, where the slope S'
+ * is large, if that sum is at most 4 |z| sqrt(1 + S'^2): then the point is 4 u |z| off, measured along the normal.
  *
  * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as
  * S'(0) = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it
@@ -344,14 +346,14 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
            wide = sgt_fma(17 * a, H * H, 1.0625 * rho), first = horner(s->size, terms, wide);
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
-    double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant),
+    double terms_of_slope = sgt_fma(larger(2, 1 - ckw), W1, s->abs_c * at->slant),
            off = sgt_fma(M * (H + H), ai, slope_off(terms_of_slope, ai)); /* Delta / |s| */
     double e = 1.01 * SGT_U * side_noise(s, q, rho, z, first, g, w, ckw), noise = e * ai,
            tau = at->tau2 - step, t = fabs(t0 + tau);
     double tau_err =
         sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
-    mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(fabs(ckw) < 1 - 0x1p-8) &
-                 MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+    mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(ckw < 1 - 0x1p-8) &
+                 MASK(ckw > -0x1p10) & MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
                  MASK(rho < 0x1p400),
          sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
                 MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
@@ -525,9 +527,9 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
            inherited = fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y)));
     mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
                  (MASK(b->whole) | is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)))),
-         place = (MASK(steep2 <= STEEP2) & MASK(inherited <= 12 * fabs(pz))) |
-                 (MASK(steep2 > STEEP2) & MASK(steep2 < 0x1p40) &
-                  MASK(inherited * inherited <= 4 * (pz * pz) * (1 + steep2)));
+         place = MASK(steep2 < 0x1p40) &
+                 (MASK(inherited <= 12 * fabs(pz)) |
+                  (MASK(steep2 > 8) & MASK(inherited * inherited <= 16 * (pz * pz) * (1 + steep2))));
     lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & place);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
