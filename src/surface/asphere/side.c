@@ -542,47 +542,93 @@ SGT_INLINE double left_power(double y)
     return y;
 }
 
+/* A step of Newton on z - P - c r^2 / 2, whose root is not before that of F, if that falls. */
+SGT_INLINE double left_nearer(const wavy *s, int terms, double sign, const sgt_ray *ray, double tau)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double x = sgt_fma(tau, l, ray->o.x), y = sgt_fma(tau, m, ray->o.y), z = sgt_fma(tau, n, ray->o.z),
+           rho = x * x + y * y, dh, h = horner_slope(s->a, terms, rho, &dh) + 0.5 * s->c,
+           f = sgt_fma(-rho, h, z), slope = sgt_fma(-2 * sgt_fma(rho, dh, h), x * l + y * m, n);
+    return chosen(MASK(sign * f < 0) & MASK(sign * slope < 0), tau - f / slope, tau);
+}
+
 /* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly: from
- * there Newton's steps on a concave function lead to the root.  It is the least of
+ * there Newton's steps on a concave function lead to the root.  It is the lesser of
  *     D,
- *     the other root of the conic of curvature c + 2 a[0], if it is on this sheet,
- *     and for each i where the chord has its start's r again, and from there on s farther, with
- *         |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0. */
-SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, const sgt_tile *tile, beside_room *r)
+ *     the other root of the conic of curvature c + 2 a[0], if it is on this sheet.
+ * Where the powers outgrow the base (tall), it may also be, for each i, where the chord has its start's r again, and
+ * from there on s farther, with
+ *     |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0,
+ * and left_nearer makes it better. */
+SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, bool tall, const sgt_tile *tile,
+                           beside_room *r)
 {
     const sgt_rays rows = tile->rays;
     const double edge2 = b->edge2, bowl = b->bowl, ck = s->ck, sign = b->sign;
+    const wavy own = *s;
     const size_t count = tile->n;
     double log_a[ALL_TERMS];
-    for (int i = 0; i < terms; i++) log_a[i] = left_log(larger(sign * s->a[i], 0));
+    for (int i = 0; tall && i < terms; i++) log_a[i] = left_log(larger(sign * s->a[i], 0));
     LANES for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
         double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y, by = 1 / a,
                to = (sqrt(along * along + a * (edge2 - rho)) - along) * by,
-               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A,
-               log_n = left_log(larger(sign * n, 0)), log_side = left_log(a) - 1023, far = 2046;
-        UNROLLED
-        for (int k = 0; k < terms; k++)
-            far = smaller(far, (log_n - log_a[k] - (k + 1) * log_side) * (1.0 / (2 * k + 1)) + 1023);
-        far = sgt_fma(1.25, left_power(far), -2 * smaller(along, 0) * by);
-        tau = chosen(MASK(tau > 0) & MASK(tau < far) & MASK(ck * sgt_fma(tau, n, z) < 1), tau, far);
-        r->tau2[i] = chosen(MASK(tau < to), tau, to);
+               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A;
+        mask conic = MASK(tau > 0) & MASK(ck * sgt_fma(tau, n, z) < 1);
+        if (tall) {
+            double log_n = left_log(larger(sign * n, 0)), log_side = left_log(a) - 1023, far = 2046;
+            UNROLLED
+            for (int k = 0; k < terms; k++)
+                far = smaller(far, (log_n - log_a[k] - (k + 1) * log_side) * (1.0 / (2 * k + 1)) + 1023);
+            far = smaller(sgt_fma(1.05, left_power(far), -2 * smaller(along, 0) * by), to);
+            tau = chosen(conic & MASK(tau < far), tau, far);
+            tau = left_nearer(&own, terms, sign, &ray, tau), tau = left_nearer(&own, terms, sign, &ray, tau);
+        } else
+            tau = chosen(conic & MASK(tau < to), tau, to);
+        r->tau2[i] = tau;
         r->x[i] = x, r->y[i] = y, r->z[i] = z, r->rho0[i] = rho, r->t0[i] = 0;
         r->r2[i] = rho * (1 + 0x1p-10);
         r->above[i] = r->again[i] = MASK(true), r->below[i] = 0;
     }
 }
-SGT_KERNEL
-static void asphere_left_few_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+
+#define LEFT_SEEDS(name, terms, tall)                                                                 \
+    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        left_seeds(s, b, terms, tall, tile, r);                                                       \
+    }
+LEFT_SEEDS(asphere_left_seeds, FEW_TERMS, false)
+LEFT_SEEDS(asphere_left_few_tall, FEW_TERMS, true)
+LEFT_SEEDS(asphere_left_all_tall, ALL_TERMS, true)
+
+/* Do the powers outgrow the base, or is there no end? */
+static bool left_is_tall(const wavy *s, const convex *b)
 {
-    left_seeds(s, b, FEW_TERMS, tile, r);
+    const double high = b->sign > 0 ? b->high : b->low;
+    return !(high < HUGE_VAL && high <= 4 * (s->abs_c * b->edge2));
 }
+
+/* The answers of rays that are not met, with z computed anew (ANEW in side.h). */
 SGT_KERNEL
-static void asphere_left_all_seeds(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r)
+static void asphere_left_anew(const wavy *self, const convex *bent, const sgt_tile *tile, lane_to to,
+                              const beside_room *r)
 {
-    left_seeds(s, b, ALL_TERMS, tile, r);
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_local q = {r->x[i], r->y[i], r->z[i], 0};
+        const side_found found = {r->t0[i], r->r2[i], r->inverse[i], r->above[i], r->below[i]};
+        const wavy_round at = {.tau = r->tau[i], .tau_err = r->tau2[i], .v = r->from[i], .near = r->to[i]};
+        lane e = side_lane_at(s, b, ALL_TERMS, true, &q, &found, &at, &ray, t_tol[i]);
+        LANE_STORE_IF(to, i, e, e.hit & ~to.hit[i]);
+    }
 }
 
 /* Statuses of rays that have been met, or not. */
@@ -628,8 +674,12 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
                               .t_tol = zero,
                               .hits = {.evals = hits->evals}};
         if (hits->evals) memset(r.steps, 0, some * sizeof *r.steps);
-        (of.few ? asphere_left_few_seeds : asphere_left_all_seeds)(s, b, &few, &r);
+        (!left_is_tall(s, b) ? asphere_left_seeds : of.few ? asphere_left_few_tall : asphere_left_all_tall)(
+            s, b, &few, &r);
         beside_roots(&of, lane_wish_of(tile), &few, to, &r);
+        mask every = MASK(true);
+        for (size_t j = 0; j < some; j++) every &= r.ends.hit[j];
+        if (!every) asphere_left_anew(s, b, &few, to, &r);
         left_told(some, r.ends.hit, own, hits->status);
         for (size_t j = 0; hits->evals && j < some; j++) hits->evals[own[j]] = 3 + r.steps[j];
         for (int k = 0; k < 10; k++) /* of a ray that is not met: NaN */

@@ -45,7 +45,8 @@
  *     w is off by first Q + |z0| + |z| + |w|,
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
  * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h, whose
- * 2 W1 stands for |v| W1.  Far out on a hyperboloid v is more than 2: then it is taken itself.
+ * 2 W1 stands for |v| W1.  Far out on a hyperboloid v is more than 2: then it is taken itself.  Or e < 2^-38 v^2
+ * / |(1 + k) c|: then v is off by 2^-38 of itself.
  *
  * SHARP.  Where the ray runs along the surface, or its local origin is far from the root, t is not sharp:
  * known to some hundreds of u.  Then G is computed once more, from the point at T = t0 + tau, which is a
@@ -353,7 +354,7 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
     double tau_err =
         sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(ckw < 1 - 0x1p-8) &
-                 MASK(ckw > -0x1p10) & MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
+                 MASK(ckw > -0x1p10) & MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
                  MASK(rho < 0x1p400),
          sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
                 MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
@@ -501,6 +502,10 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~ask->way.off};
 }
 
+/* ANEW.  For other points z is computed from x and y, as `snap` of sag/sag.h does it, with r^2 in twice the
+ * precision and where phi > 1/2.  P is off by 3 u of r^2 times the sum of (i + 1) |a[i]| r^(2 i).  The point
+ * moves along z by the slope times how far x and y are off. */
+
 /* The root from side_bound.  t0: of the local origin; r2 of the way; above, below as in a side_seed; inverse:
  * 1 / G' at the root. */
 typedef struct side_found {
@@ -508,8 +513,8 @@ typedef struct side_found {
     mask above, below;
 } side_found;
 
-SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
-                          const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+SGT_INLINE lane side_lane_at(const wavy *s, const convex *b, int terms, bool anew, const side_local *q,
+                             const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double t = found->t0 + at->tau;
@@ -530,10 +535,25 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
          place = MASK(steep2 < 0x1p40) &
                  (MASK(inherited <= 12 * fabs(pz)) |
                   (MASK(steep2 > 8) & MASK(inherited * inherited <= 16 * (pz * pz) * (1 + steep2))));
+    double off = 0;
+    if (anew) {
+        const twofold r2 = square_radius(px, py);
+        double phi2 = 1 - b->ckc * r2.hi, phi = sqrt(phi2), base = s->c * r2.hi / (1 + phi);
+        pz = sgt_fma(r2.hi, horner(s->a, terms, r2.hi), base) + sgt_fma(0.5 * s->c, 1 / phi, dp) * r2.lo;
+        place = MASK(steep2 <= STEEP2) & MASK(phi2 > 0.25);
+        off = SGT_U * sgt_fma(24, fabs(base), sgt_fma(4 * r2.hi, horner(s->size, terms, r2.hi), fabs(pz)));
+    }
     lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
                      known & MASK(fabs(t) < 0x1p300) & place);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
+    if (anew) e.p_err = sgt_fma(e.p_err * (1 + 0x1p-20), 1 + (fabs(e.nx) + fabs(e.ny)), off);
     return e;
+}
+
+SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
+                          const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+{
+    return side_lane_at(s, b, terms, false, q, found, at, ray, t_tol);
 }
 
 /* P / rho at rho by Horner's rule, with what its products and sums lose (Graillat, Langlois, Louvet 2009,
