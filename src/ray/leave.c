@@ -899,16 +899,21 @@ SGT_NOINLINE static size_t leave_others(sgt_surface s, size_t n, const sgt_start
     return met;
 }
 
-/* Puts into `side` what hits tell of it.  known: how many do; open: how many others do not miss. */
+/* Of starts on a conic that meet it again, which hits tell the side, as side_told has it?  told: OPEN for the
+ * others.  (The slopes of a start and of the other root have unlike signs: the hit is not the start again.)
+ * known: how many do; open: how many others do not miss. */
 SGT_KERNEL
-static void sides_known(size_t n, const double *state, const double *told, double *restrict side,
-                        double *known, double *open)
+static void sides_known(size_t n, const double *const grad[3], const double *const d[3], const double *state,
+                        double *restrict told, double *restrict side, double *known, double *open)
 {
+    const double *nx = grad[0], *ny = grad[1], *nz = grad[2], *dx = d[0], *dy = d[1], *dz = d[2];
     double hits = 0, others = 0;
     _Pragma("omp simd reduction(+ : hits, others)") for (size_t i = 0; i < n; i++)
     {
-        const mask is = MASK(told[i] != OPEN);
-        side[i] = chosen(is, told[i], side[i]);
+        sgt_vec3 m = {nx[i], ny[i], nz[i]}, way = {dx[i], dy[i], dz[i]};
+        double slope = leave_dot(m, way);
+        const mask is = MASK(state[i] == SGT_HIT) & MASK(fabs(slope) > 0x1p-30 * leave_size(m) * leave_size(way));
+        told[i] = chosen(is, 0, OPEN), side[i] = chosen(is, chosen(MASK(slope > 0), -1, 1), side[i]);
         hits += chosen(is, 1, 0), others += chosen(is | MASK(state[i] == SGT_MISS), 0, 1);
     }
     *known = hits, *open = others;
@@ -961,9 +966,8 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
     } else {
         for (size_t i = 0; i < n; i += ASKS)
             states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
-        sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
-                     p_err ? p_err : none, to->t, state, told);
-        sides_known(n, state, told, behind, &known, &open);
+        sides_known(n, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d, state, told, behind,
+                    &known, &open);
     }
     *met += (size_t)known;
     if (side) bytes_of(n, behind, side + at);
