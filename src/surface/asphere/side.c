@@ -631,12 +631,6 @@ static void asphere_left_anew(const wavy *self, const convex *bent, const sgt_ti
     }
 }
 
-/* Statuses of rays that have been met, or not. */
-static void left_told(size_t n, const mask *hit, const unsigned char *number, sgt_status *status)
-{
-    for (size_t j = 0; j < n; j++) status[number[j]] = hit[j] ? SGT_HIT : SGT_HARD;
-}
-
 /* The rays that rise are put side by side. */
 void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
                            const mask misses[], const double behind[])
@@ -644,6 +638,7 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
     static const double zero[SIDE_TILE];
     beside_room r;
     double ray[7][SIDE_TILE], (*out)[SIDE_TILE] = r.of;
+    double unwanted[SGT_TILE], *give[10];
     unsigned char number[SGT_TILE];
     const beside of = {s, b, terms <= FEW_TERMS, true};
     const sgt_rays *all = &tile->rays;
@@ -654,6 +649,7 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
     const lane_to to = {out[0], out[1], out[2], out[3], out[4],     out[5],
                         out[6], out[7], out[8], out[9], r.ends.hit};
     size_t left = 0;
+    for (int k = 0; k < 10; k++) give[k] = rows.of[k] ? rows.of[k] : unwanted;
     for (size_t i = 0; i < tile->n; i++) {
         number[left] = (unsigned char)i;
         left += !misses[i] & (behind[i] != 0);
@@ -680,10 +676,11 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
         mask every = MASK(true);
         for (size_t j = 0; j < some; j++) every &= r.ends.hit[j];
         if (!every) asphere_left_anew(s, b, &few, to, &r);
-        left_told(some, r.ends.hit, own, hits->status);
         for (size_t j = 0; hits->evals && j < some; j++) hits->evals[own[j]] = 3 + r.steps[j];
-        for (int k = 0; k < 10; k++) /* of a ray that is not met: NaN */
-            if (rows.of[k])
-                for (size_t j = 0; j < some; j++) rows.of[k][own[j]] = out[k][j];
+        for (size_t j = 0; j < some; j++) { /* of a ray that is not met: NaN */
+            const size_t i = own[j];
+            hits->status[i] = r.ends.hit[j] ? SGT_HIT : SGT_HARD;
+            UNROLLED for (int k = 0; k < 10; k++) give[k][i] = out[k][j];
+        }
     }
 }
