@@ -45,8 +45,9 @@
  * of a single ray.
  *
  * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are
- * on it, what they meet, and the side.  An even asphere is asked for a single start, too, and counts one
- * evaluation: so that a batch has the same bits.  The others of a tile are put side by side.
+ * on it, what they meet, and the side.  An even asphere is asked for a single start, too: so that a batch has
+ * the same bits.  Its hits come from the start itself, and may differ from those of sgt_intersect by what
+ * t_err allows.  The others of a tile are put side by side.
  *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
@@ -423,11 +424,15 @@ static place place_to_leave(sgt_surface s, const sgt_start *from)
     return is_on(f, from->p, n) ? (place){from->p, true} : polished(s, from->p, f, n, from->p_err);
 }
 
+/* No `leave` takes more evaluations. */
+enum { MOST_LEAVING = 16 };
+
 /* Is `leave` of the surface asked? */
 static bool asks_leave(sgt_surface s, const sgt_options *opt)
 {
-    return s.ops && s.ops->own_ && s.ops->own_->leave && !opt->watch && !(opt->t_tol > 0) &&
-           opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
+    return (!opt->max_evals || opt->max_evals >= MOST_LEAVING) && s.ops && s.ops->own_ &&
+           s.ops->own_->leave && !opt->watch && !(opt->t_tol > 0) && opt->proof == SGT_ESTIMATE &&
+           sgt_options_valid(opt);
 }
 
 /* Are the hits of `leave` those of sgt_intersect, so that their sides are told as there?  That is so where
@@ -912,7 +917,8 @@ static void sides_known(size_t n, const double *const grad[3], const double *con
     {
         sgt_vec3 m = {nx[i], ny[i], nz[i]}, way = {dx[i], dy[i], dz[i]};
         double slope = leave_dot(m, way);
-        const mask is = MASK(state[i] == SGT_HIT) & MASK(fabs(slope) > 0x1p-30 * leave_size(m) * leave_size(way));
+        double flat = 0x1p-30 * leave_size(m) * leave_size(way);
+        const mask is = MASK(state[i] == SGT_HIT) & MASK(fabs(slope) > flat);
         told[i] = chosen(is, 0, OPEN), side[i] = chosen(is, chosen(MASK(slope > 0), -1, 1), side[i]);
         hits += chosen(is, 1, 0), others += chosen(is | MASK(state[i] == SGT_MISS), 0, 1);
     }
@@ -966,8 +972,8 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
     } else {
         for (size_t i = 0; i < n; i += ASKS)
             states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
-        sides_known(n, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d, state, told, behind,
-                    &known, &open);
+        sides_known(n, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d, state, told,
+                    behind, &known, &open);
     }
     *met += (size_t)known;
     if (side) bytes_of(n, behind, side + at);

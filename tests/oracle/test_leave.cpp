@@ -16,7 +16,8 @@
 // and the other sign right behind it.  A miss is looked at as far as the world reaches.  A crossing that was
 // lost, or met twice, shows as a wrong sign.  Undecided answers are printed, with the slope at the start.
 //
-// Conics with a rim are left against their equation in 113 bits, even aspheres against their roots in quad.h.
+// Conics with a rim are left against their equation in 113 bits, even aspheres, also random ones, against
+// their roots in quad.h: as by sgt_leave, and as by sgt_intersect.
 //
 // Rows by hand: starts within 1e-8 of a torus, exits along tangents, the vertex of a sag, starts on a
 // coordinate plane, what makes no sense.  A batch has the bits of single starts.
@@ -535,7 +536,8 @@ void root_right(const World &w, const sgt_even_asphere &kind, const sgt_start &a
         before = before || (is == oracle::yes && !same && (!met || off < 0));
         if (!same) continue;
         const oracle::vector3 p = {hit.p.x, hit.p.y, hit.p.z};
-        if (oracle::norm({p.x - m.p.x, p.y - m.p.y, p.z - m.p.z}) > quad(hit.p_err) + m.blur * quad(length(a.d)))
+        if (oracle::norm({p.x - m.p.x, p.y - m.p.y, p.z - m.p.z}) >
+            quad(hit.p_err) + m.blur * quad(length(a.d)))
             complain(w, "p is farther from the point than p_err", a, hit.t, 0);
         quad largest;
         const quad normal = oracle::normal_error(oracle::surface(kind), p, &largest);
@@ -610,9 +612,9 @@ void aspheres(int count)
     }
 }
 
-// Random aspheres, most of them bent in one way as far as they go: flat and steep, with rims before and at the
-// equator and without.  They are left from anywhere on them, into the whole sphere, along the surface, toward
-// the rim and the equator as near as 1e-9 of it, and into ends.
+// Random aspheres, most of them bent in one way as far as they go: flat and steep, with rims before and at
+// the equator and without.  They are left from anywhere on them, into the whole sphere, along the surface,
+// toward the rim and the equator as near as 1e-9 of it, and into ends.
 void bowls_of_aspheres(int count)
 {
     int hits = 0, undecided = 0, all = 0;
@@ -625,8 +627,8 @@ void bowls_of_aspheres(int count)
         const double k1 = 1 + kind.k,
                      equator = kind.c != 0 && k1 > 0 ? 1 / (std::fabs(kind.c) * std::sqrt(k1)) : HUGE_VAL,
                      wide = equator < HUGE_VAL ? equator : std::pow(10, uniform(0, 2));
-        const double part = i % 4 == 0 ? 1 : i % 4 == 1 ? uniform(0.9, 1.1) : uniform(0.2, 0.9);
-        kind.semi_diameter = uniform(0, 1) < 0.4 ? 0 : wide * part;
+        const double wide_of = i % 4 == 0 ? 1 : i % 4 == 1 ? uniform(0.9, 1.1) : uniform(0.2, 0.9);
+        kind.semi_diameter = uniform(0, 1) < 0.4 ? 0 : wide * wide_of;
         const double reach = kind.semi_diameter > 0 ? std::min(kind.semi_diameter, equator) : wide;
         double power = 1 / reach;
         for (double &a : kind.a) {
@@ -634,7 +636,7 @@ void bowls_of_aspheres(int count)
                 a = power * std::pow(10, uniform(-4, 0.5)) * (uniform(0, 1) < 0.9 ? sign : -0.1 * sign);
             power /= reach * reach;
         }
-        if (kind.c == 0 && std::all_of(kind.a, kind.a + 8, [](double a) { return a == 0; })) continue; // a plane
+        if (kind.c == 0 && std::count(kind.a, kind.a + 8, 0.0) == 8) continue; // a plane
         const World w = {"bowl of an asphere", {&sgt_even_asphere_ops, &kind}, 4, nullptr};
         auto point = [&](double r, sgt_vec3 *n) {
             const double phi = uniform(0, 6.283);
@@ -647,7 +649,8 @@ void bowls_of_aspheres(int count)
         const int had = failures;
         for (int j = 0; j < 40; j++) {
             sgt_vec3 n = {0, 0, 0}, m = {0, 0, 0}, d = direction();
-            const double r = reach * (j % 8 == 0 ? 1 - std::pow(10, uniform(-9, -1)) : std::sqrt(uniform(0, 1)));
+            const double part = j % 8 == 0 ? 1 - std::pow(10, uniform(-9, -1)) : std::sqrt(uniform(0, 1)),
+                         r = reach * part;
             const sgt_vec3 p = point(r, &n);
             if (!(std::fabs(p.z) < 1e6) || !(length(n) < 1e9)) continue;
             if (j % 4 == 1) {
@@ -655,7 +658,8 @@ void bowls_of_aspheres(int count)
                 d = {d.x + by * n.x, d.y + by * n.y, d.z + by * n.z};
             }
             if (j % 2 == 0) {
-                const double off = std::pow(10, uniform(-9, -1)), out = reach < equator && j % 3 == 0 ? 1 : -1;
+                const double off = std::pow(10, uniform(-9, -1)),
+                             out = reach < equator && j % 3 == 0 ? 1 : -1;
                 sgt_vec3 to = point(reach * (1 + out * off), &m);
                 if (!(std::fabs(to.z) < 1e6)) continue;
                 d = {to.x - p.x, to.y - p.y, to.z - p.z};
@@ -674,8 +678,8 @@ void bowls_of_aspheres(int count)
                         kind.a[0], kind.a[1], kind.a[2], kind.a[3], kind.a[4], kind.a[5], kind.a[6],
                         kind.a[7]);
     }
-    std::printf("bowls of aspheres: %d starts, %d met, %d undecided, at most %.1f u off the surface\n", all, hits,
-                undecided, worst);
+    std::printf("bowls of aspheres: %d starts, %d met, %d undecided, at most %.1f u off the surface\n", all,
+                hits, undecided, worst);
     require(undecided * 100 <= all, "bowls of aspheres: undecided");
 }
 

@@ -552,12 +552,12 @@ SGT_INLINE double left_nearer(const wavy *s, int terms, double sign, const sgt_r
     return chosen(MASK(sign * f < 0) & MASK(sign * slope < 0), tau - f / slope, tau);
 }
 
-/* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly: from
- * there Newton's steps on a concave function lead to the root.  It is the lesser of
+/* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly:
+ * from there Newton's steps on a concave function lead to the root.  It is the lesser of
  *     D,
  *     the other root of the conic of curvature c + 2 a[0], if it is on this sheet.
- * Where the powers outgrow the base (tall), it may also be, for each i, where the chord has its start's r again, and
- * from there on s farther, with
+ * Where the powers outgrow the base (tall), it may also be, for each i, where the ray has the r of its start
+ * again, and from there on s farther, with
  *     |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0,
  * and left_nearer makes it better. */
 SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, bool tall, const sgt_tile *tile,
@@ -575,7 +575,8 @@ SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, bool tall,
         const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
         double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y, by = 1 / a,
                to = (sqrt(along * along + a * (edge2 - rho)) - along) * by,
-               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)), tau = 2 * B / A;
+               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)),
+               tau = 2 * B / A;
         mask conic = MASK(tau > 0) & MASK(ck * sgt_fma(tau, n, z) < 1);
         if (tall) {
             double log_n = left_log(larger(sign * n, 0)), log_side = left_log(a) - 1023, far = 2046;

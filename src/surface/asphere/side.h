@@ -44,9 +44,9 @@
  * the sum.  Horner's rule rounds P by another first rho.  With Q = 6 rho + rho0
  *     w is off by first Q + |z0| + |z| + |w|,
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
- * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h, whose
- * 2 W1 stands for |v| W1.  Far out on a hyperboloid v is more than 2: then it is taken itself.  Or e < 2^-38 v^2
- * / |(1 + k) c|: then v is off by 2^-38 of itself.
+ * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
+ * There 2 W1 stands for |v| W1: far out on a hyperboloid v is more than 2, and is taken itself.  v is off by
+ * e |(1 + k) c| / v, which has to be below 2^-38, or below 2^-38 v.
  *
  * SHARP.  Where the ray runs along the surface, or its local origin is far from the root, t is not sharp:
  * known to some hundreds of u.  Then G is computed once more, from the point at T = t0 + tau, which is a
@@ -57,8 +57,8 @@
  * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
  *
  * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
- * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there; or, where the slope S'
- * is large, if that sum is at most 4 |z| sqrt(1 + S'^2): then the point is 4 u |z| off, measured along the normal.
+ * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.  Where the slope S'
+ * is large, that sum may be 4 |z| sqrt(1 + S'^2): then the point is 4 u |z| off, measured along the normal.
  *
  * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as
  * S'(0) = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it
@@ -354,8 +354,8 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
     double tau_err =
         sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(ckw < 1 - 0x1p-8) &
-                 MASK(ckw > -0x1p10) & MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
-                 MASK(rho < 0x1p400),
+                 MASK(ckw > -0x1p10) & MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) &
+                 MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400),
          sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
                 MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |

@@ -375,7 +375,8 @@ static mask asphere_all_from_start(const wavy *s, const sgt_tile *tile, mask sin
 
 bool sgt_asphere_from_start(const wavy *v, int terms, const sgt_tile *tile, mask misses[], double behind[])
 {
-    return (terms > FEW_TERMS ? asphere_all_from_start : asphere_few_from_start)(v, tile, misses, behind) != 0;
+    return terms > FEW_TERMS ? asphere_all_from_start(v, tile, misses, behind) != 0
+                             : asphere_few_from_start(v, tile, misses, behind) != 0;
 }
 
 /* The cones of rays that start on the surface. */
