@@ -354,7 +354,7 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
     double tau_err =
         sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
     mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(ckw < 1 - 0x1p-8) &
-                 MASK(ckw > -0x1p10) & MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) &
+                 MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) &
                  MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400),
          sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
                 MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
