@@ -45,8 +45,9 @@
  * of a single ray.
  *
  * A SURFACE THAT KNOWS (`leave`: planes, conics, even aspheres) tells of many starts at once that they are
- * on it, what they meet, and the side.  An even asphere is asked for a single start, too, and counts one
- * evaluation: so that a batch has the same bits.  The others of a tile are put side by side.
+ * on it, what they meet, and the side.  An even asphere is asked for a single start, too: so that a batch has
+ * the same bits.  Its hits come from the start itself, and may differ from those of sgt_intersect by what
+ * t_err allows.  The others of a tile are put side by side.
  *
  * A user's surface that is searched by steps may skip a root.  If its slope at the start and at the next
  * crossing say that F has unlike signs behind the one and before the other, one has been skipped: the answer
@@ -423,29 +424,55 @@ static place place_to_leave(sgt_surface s, const sgt_start *from)
     return is_on(f, from->p, n) ? (place){from->p, true} : polished(s, from->p, f, n, from->p_err);
 }
 
+/* No `leave` takes more evaluations. */
+enum { MOST_LEAVING = 16 };
+
 /* Is `leave` of the surface asked? */
 static bool asks_leave(sgt_surface s, const sgt_options *opt)
 {
-    return s.ops && s.ops->own_ && s.ops->own_->leave && !opt->watch && !(opt->t_tol > 0) &&
-           opt->proof == SGT_ESTIMATE && sgt_options_valid(opt);
+    return (!opt->max_evals || opt->max_evals >= MOST_LEAVING) && s.ops && s.ops->own_ &&
+           s.ops->own_->leave && !opt->watch && !(opt->t_tol > 0) && opt->proof == SGT_ESTIMATE &&
+           sgt_options_valid(opt);
 }
 
-/* A start that `leave` knows to meet nothing.  It is asked where `on` tells nothing; else sgt_intersect has
- * the same answer. */
-static bool leaves_for_good(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
+/* Are the hits of `leave` those of sgt_intersect, so that their sides are told as there?  That is so where
+ * `on` tells which starts are on the surface. */
+static bool sides_of_hits(sgt_surface s)
+{
+    const double *const nowhere[3] = {NULL, NULL, NULL};
+    double on[1] = {0};
+    return known_on(s, 0, nowhere, on);
+}
+
+/* A start that `leave` has an answer for, with its side. */
+static bool leave_answers(sgt_surface s, const sgt_start *from, const sgt_options *opt, sgt_crossing *out)
 {
     sgt_status status[1] = {SGT_HARD};
-    double behind[1] = {0}, t_tol[1] = {0};
+    double behind[1] = {0}, t_tol[1] = {0}, to[10];
     int evals[1] = {0};
-    const double *const nowhere[3] = {NULL, NULL, NULL};
-    if (!asks_leave(s, opt) || !start_sound(from) || known_on(s, 0, nowhere, behind)) return false;
+    if (!asks_leave(s, opt) || !start_sound(from) || sides_of_hits(s)) return false;
     const sgt_ray ray = ray_from(from, from->p);
-    const sgt_tile one = {
-        .n = 1, .rays = rays_of(&ray), .t_tol = t_tol, .hits = {.status = status, .evals = evals}};
+    const sgt_tile one = {.n = 1,
+                          .rays = rays_of(&ray),
+                          .t_tol = t_tol,
+                          .hits = {.status = status,
+                                   .evals = evals,
+                                   .t = to,
+                                   .t_err = to + 1,
+                                   .t_lo = to + 2,
+                                   .p = {to + 3, to + 4, to + 5},
+                                   .n = {to + 6, to + 7, to + 8},
+                                   .p_err = to + 9}};
     s.ops->own_->leave(s.self, &one, behind);
-    if (status[0] != SGT_MISS) return false;
-    *out = (sgt_crossing){
-        .ray = ray, .hit = hit_without(SGT_MISS, &ray, evals[0]), .side = (signed char)behind[0]};
+    if (status[0] == SGT_HARD) return false;
+    *out = (sgt_crossing){.ray = ray, .side = (signed char)behind[0]};
+    if (status[0] == SGT_MISS) {
+        out->hit = hit_without(SGT_MISS, &ray, evals[0]);
+        return true;
+    }
+    const meeting at = {.t = to[0], .t_err = to[1], .t_lo = to[2], .p_err = to[9], .p = {to[3], to[4], to[5]},
+                        .n = {to[6], to[7], to[8]}};
+    out->hit = hit_found(status[0], evals[0], s.ops->value(s.self, at.p, NULL), &at);
     return true;
 }
 
@@ -454,7 +481,7 @@ sgt_crossing sgt_leave(sgt_surface s, const sgt_start *from, const sgt_options *
     sgt_crossing out = {.side = 0};
     sgt_options own = first_of(opt);
     s = in_set(s);
-    if (ROOM_IS_ZERO(from) && leaves_for_good(s, from, &own, &out)) return out;
+    if (ROOM_IS_ZERO(from) && leave_answers(s, from, &own, &out)) return out;
     place at = place_to_leave(s, from);
     out.ray = ray_from(from, at.o);
     out.hit = sgt_intersect(s, out.ray, ROOM_IS_ZERO(from) ? &own : &sgt_options_invalid);
@@ -877,16 +904,22 @@ SGT_NOINLINE static size_t leave_others(sgt_surface s, size_t n, const sgt_start
     return met;
 }
 
-/* Puts into `side` what hits tell of it.  known: how many do; open: how many others do not miss. */
+/* Of starts on a conic that meet it again, which hits tell the side, as side_told has it?  told: OPEN for the
+ * others.  (The slopes of a start and of the other root have unlike signs: the hit is not the start again.)
+ * known: how many do; open: how many others do not miss. */
 SGT_KERNEL
-static void sides_known(size_t n, const double *state, const double *told, double *restrict side,
-                        double *known, double *open)
+static void sides_known(size_t n, const double *const grad[3], const double *const d[3], const double *state,
+                        double *restrict told, double *restrict side, double *known, double *open)
 {
+    const double *nx = grad[0], *ny = grad[1], *nz = grad[2], *dx = d[0], *dy = d[1], *dz = d[2];
     double hits = 0, others = 0;
     _Pragma("omp simd reduction(+ : hits, others)") for (size_t i = 0; i < n; i++)
     {
-        const mask is = MASK(told[i] != OPEN);
-        side[i] = chosen(is, told[i], side[i]);
+        sgt_vec3 m = {nx[i], ny[i], nz[i]}, way = {dx[i], dy[i], dz[i]};
+        double slope = leave_dot(m, way);
+        double flat = 0x1p-30 * leave_size(m) * leave_size(way);
+        const mask is = MASK(state[i] == SGT_HIT) & MASK(fabs(slope) > flat);
+        told[i] = chosen(is, 0, OPEN), side[i] = chosen(is, chosen(MASK(slope > 0), -1, 1), side[i]);
         hits += chosen(is, 1, 0), others += chosen(is | MASK(state[i] == SGT_MISS), 0, 1);
     }
     *known = hits, *open = others;
@@ -930,13 +963,18 @@ SGT_NOINLINE static bool leave_known(sgt_surface s, size_t n, const sgt_starts *
         if (side) bytes_of(n, behind, side + at);
         return true;
     }
-    const bool together = 8 * hard > n;
+    const bool together = 8 * hard > n, own_sides = !sides_of_hits(s);
     double *told = tmax; /* not read any more */
-    for (size_t i = 0; i < n; i += ASKS) states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
-    sides_by_hit(n, tile.rays.o, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d,
-                 p_err ? p_err : none, to->t, state, told);
-    double known, open;
-    sides_known(n, state, told, behind, &known, &open);
+    double known = 0, open = (double)hard;
+    if (own_sides) {
+        for (size_t i = 0; i < n; i++) known += to->status[i] > 0;
+        for (size_t i = 0; hard > 0 && i < n; i++) told[i] = to->status[i] == SGT_HARD ? OPEN : 0;
+    } else {
+        for (size_t i = 0; i < n; i += ASKS)
+            states_of(n - i < ASKS ? n - i : ASKS, to->status + i, state + i);
+        sides_known(n, (const double *const[3]){to->n[0], to->n[1], to->n[2]}, tile.rays.d, state, told,
+                    behind, &known, &open);
+    }
     *met += (size_t)known;
     if (side) bytes_of(n, behind, side + at);
     for (size_t i = 0; open != 0 && i < n; i++) {

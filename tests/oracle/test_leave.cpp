@@ -16,7 +16,8 @@
 // and the other sign right behind it.  A miss is looked at as far as the world reaches.  A crossing that was
 // lost, or met twice, shows as a wrong sign.  Undecided answers are printed, with the slope at the start.
 //
-// Conics with a rim are left against their equation in 113 bits, even aspheres against their roots in quad.h.
+// Conics with a rim are left against their equation in 113 bits, even aspheres, also random ones, against
+// their roots in quad.h: as by sgt_leave, and as by sgt_intersect.
 //
 // Rows by hand: starts within 1e-8 of a torus, exits along tangents, the vertex of a sag, starts on a
 // coordinate plane, what makes no sense.  A batch has the bits of single starts.
@@ -520,6 +521,54 @@ void planes(int count)
     }
 }
 
+// The hit of a ray that starts on an asphere: all its roots in 113 bits (quad.h) have to be as the hit says.
+// *ulps: by how many u of the largest term a point is off the surface, at most.
+void root_right(const World &w, const sgt_even_asphere &kind, const sgt_start &a, const sgt_ray &ray,
+                const sgt_hit &hit, const oracle::answer &known, double *ulps)
+{
+    const bool met = hit.status > 0;
+    bool there = !met, before = false;
+    for (const oracle::meeting &m : known.roots) {
+        const oracle::counts is = oracle::counting(m, ray.tmin, ray.tmax);
+        const quad off = m.minus(hit.t);
+        const bool same = met && oracle::magnitude(off) <= quad(hit.t_err) + m.blur;
+        there = there || (same && is != oracle::no);
+        before = before || (is == oracle::yes && !same && (!met || off < 0));
+        if (!same) continue;
+        const oracle::vector3 p = {hit.p.x, hit.p.y, hit.p.z};
+        if (oracle::norm({p.x - m.p.x, p.y - m.p.y, p.z - m.p.z}) >
+            quad(hit.p_err) + m.blur * quad(length(a.d)))
+            complain(w, "p is farther from the point than p_err", a, hit.t, 0);
+        quad largest;
+        const quad normal = oracle::normal_error(oracle::surface(kind), p, &largest);
+        const double units = largest == 0 ? 0 : oracle::to_double(normal / largest) * 0x1p53;
+        *ulps = std::max(*ulps, units);
+        if (!(units <= 24)) complain(w, "p is off the surface", a, units, 0);
+        const double x = oracle::to_double(m.gradient.x / m.gradient.z),
+                     y = oracle::to_double(m.gradient.y / m.gradient.z), size = std::hypot(x, y);
+        if (!(std::hypot(hit.n.x - x, hit.n.y - y) <= 1e-10 * (1 + size * size)))
+            complain(w, "the gradient is off", a, size, 0);
+    }
+    if (!there || before) complain(w, "not the next root of the asphere", a, hit.t, 0);
+}
+
+// A start on an asphere: by sgt_leave, and as a ray.  Returns the status.
+sgt_status asphere_right(const World &w, const sgt_even_asphere &kind, const sgt_start &a, bool outside,
+                         double *ulps)
+{
+    const sgt_crossing next = sgt_leave(w.s, &a, nullptr);
+    const sgt_hit plain = sgt_intersect(w.s, next.ray, nullptr);
+    if (next.hit.status < 0) return next.hit.status;
+    const oracle::answer known = oracle::all_roots(oracle::surface(kind), next.ray);
+    if (!known.doubtful.empty() || known.at_fault || known.gave_up) return next.hit.status;
+    root_right(w, kind, a, next.ray, next.hit, known, ulps);
+    if (plain.status >= 0) root_right(w, kind, a, next.ray, plain, known, ulps);
+    const double slope = dot(a.n, a.d) / (length(a.n) * length(a.d));
+    if (!outside && std::fabs(slope) > 1e-3 && next.side != (slope > 0 ? 1 : -1))
+        complain(w, "wrong side", a, next.hit.t, next.side);
+    return next.hit.status;
+}
+
 // Even aspheres, left from points on them into the whole sphere and along the surface: terms of both signs,
 // with and without a rim.  All roots of next.ray in 113 bits (quad.h) have to be as the answer says.
 void aspheres(int count)
@@ -534,6 +583,7 @@ void aspheres(int count)
         const World w = {"asphere", {&sgt_even_asphere_ops, &kind}, 4, nullptr};
         std::vector<sgt_start> starts;
         int hits = 0, undecided = 0;
+        double worst = 0;
         for (int i = 0; i < count; i++) {
             const sgt_vec3 at = direction();
             const bool outside = kind.semi_diameter > 0 && i % 4 == 0; // beyond the rim F goes on
@@ -552,31 +602,85 @@ void aspheres(int count)
             }
             const sgt_start a = {p, n, 4e-16 * w.reach, d, 0, {}};
             starts.push_back(a);
-            const sgt_crossing next = sgt_leave(w.s, &a, nullptr);
-            undecided += next.hit.status < 0;
-            if (next.hit.status < 0) continue;
-            const oracle::answer known = oracle::all_roots(oracle::surface(kind), next.ray);
-            if (!known.doubtful.empty() || known.at_fault || known.gave_up) continue;
-            const bool met = next.hit.status > 0;
-            bool there = !met, before = false;
-            for (const oracle::meeting &m : known.roots) {
-                const oracle::counts is = oracle::counting(m, next.ray.tmin, HUGE_VAL);
-                const quad off = m.minus(next.hit.t);
-                const bool same = met && oracle::magnitude(off) <= quad(next.hit.t_err) + m.blur;
-                there = there || (same && is != oracle::no);
-                before = before || (is == oracle::yes && !same && (!met || off < 0));
-            }
-            hits += met;
-            if (!there || before) complain(w, "not the next root of the asphere", a, next.hit.t, next.side);
-            const double slope = dot(n, d) / (length(n) * length(d));
-            if (!outside && std::fabs(slope) > 1e-3 && next.side != (slope > 0 ? 1 : -1))
-                complain(w, "wrong side", a, next.hit.t, next.side);
+            const sgt_status is = asphere_right(w, kind, a, outside, &worst);
+            hits += is > 0, undecided += is < 0;
         }
         batch_is_single(w, starts, nullptr);
         std::printf("asphere, c %g, k %g, rim %g: %zu starts, %d met, %d undecided\n", kind.c, kind.k,
                     kind.semi_diameter, starts.size(), hits, undecided);
         require(undecided * 200 <= count, "asphere: undecided");
     }
+}
+
+// Random aspheres, most of them bent in one way as far as they go: flat and steep, with rims before and at
+// the equator and without.  They are left from anywhere on them, into the whole sphere, along the surface,
+// toward the rim and the equator as near as 1e-9 of it, and into ends.
+void bowls_of_aspheres(int count)
+{
+    int hits = 0, undecided = 0, all = 0;
+    double worst = 0;
+    for (int i = 0; i < count; i++) {
+        sgt_even_asphere kind = {};
+        const double sign = uniform(0, 1) < 0.5 ? 1 : -1;
+        kind.c = i % 5 == 0 ? 0 : sign * std::pow(10, uniform(-3, 0));
+        kind.k = i % 3 == 0 ? std::round(uniform(-2, 1)) : uniform(-2, 1.5);
+        const double k1 = 1 + kind.k,
+                     equator = kind.c != 0 && k1 > 0 ? 1 / (std::fabs(kind.c) * std::sqrt(k1)) : HUGE_VAL,
+                     wide = equator < HUGE_VAL ? equator : std::pow(10, uniform(0, 2));
+        const double wide_of = i % 4 == 0 ? 1 : i % 4 == 1 ? uniform(0.9, 1.1) : uniform(0.2, 0.9);
+        kind.semi_diameter = uniform(0, 1) < 0.4 ? 0 : wide * wide_of;
+        const double reach = kind.semi_diameter > 0 ? std::min(kind.semi_diameter, equator) : wide;
+        double power = 1 / reach;
+        for (double &a : kind.a) {
+            if (uniform(0, 1) < 0.4)
+                a = power * std::pow(10, uniform(-4, 0.5)) * (uniform(0, 1) < 0.9 ? sign : -0.1 * sign);
+            power /= reach * reach;
+        }
+        if (kind.c == 0 && std::count(kind.a, kind.a + 8, 0.0) == 8) continue; // a plane
+        const World w = {"bowl of an asphere", {&sgt_even_asphere_ops, &kind}, 4, nullptr};
+        auto point = [&](double r, sgt_vec3 *n) {
+            const double phi = uniform(0, 6.283);
+            sgt_vec3 p = {r * std::cos(phi), r * std::sin(phi), 0};
+            p.z = -w.s.ops->value(w.s.self, p, n);
+            w.s.ops->value(w.s.self, p, n);
+            return p;
+        };
+        std::vector<sgt_start> starts;
+        const int had = failures;
+        for (int j = 0; j < 40; j++) {
+            sgt_vec3 n = {0, 0, 0}, m = {0, 0, 0}, d = direction();
+            const double part = j % 8 == 0 ? 1 - std::pow(10, uniform(-9, -1)) : std::sqrt(uniform(0, 1)),
+                         r = reach * part;
+            const sgt_vec3 p = point(r, &n);
+            if (!(std::fabs(p.z) < 1e6) || !(length(n) < 1e9)) continue;
+            if (j % 4 == 1) {
+                const double lift = std::pow(10, uniform(-6, 0)), by = (lift - 1) * dot(n, d) / dot(n, n);
+                d = {d.x + by * n.x, d.y + by * n.y, d.z + by * n.z};
+            }
+            if (j % 2 == 0) {
+                const double off = std::pow(10, uniform(-9, -1)),
+                             out = reach < equator && j % 3 == 0 ? 1 : -1;
+                sgt_vec3 to = point(reach * (1 + out * off), &m);
+                if (!(std::fabs(to.z) < 1e6)) continue;
+                d = {to.x - p.x, to.y - p.y, to.z - p.z};
+                const double far = length(d);
+                if (!(far > 1e-9 * reach)) continue;
+                d = {d.x / far, d.y / far, d.z / far};
+            }
+            starts.push_back(
+                {p, n, 4e-16 * (r + std::fabs(p.z)), d, j % 5 == 4 ? reach * uniform(0, 3) : 0, {}});
+            const sgt_status is = asphere_right(w, kind, starts.back(), false, &worst);
+            hits += is > 0, undecided += is < 0, all++;
+        }
+        batch_is_single(w, starts, nullptr);
+        if (failures > had && failures < 40)
+            std::printf("  c %a k %a rim %a a %a %a %a %a %a %a %a %a\n", kind.c, kind.k, kind.semi_diameter,
+                        kind.a[0], kind.a[1], kind.a[2], kind.a[3], kind.a[4], kind.a[5], kind.a[6],
+                        kind.a[7]);
+    }
+    std::printf("bowls of aspheres: %d starts, %d met, %d undecided, at most %.1f u off the surface\n", all,
+                hits, undecided, worst);
+    require(undecided * 100 <= all, "bowls of aspheres: undecided");
 }
 
 void rows_by_hand()
@@ -696,6 +800,7 @@ int main(int argc, char **argv)
     if (!timed) bowls(static_cast<int>(4000 * by));
     if (!timed) planes(static_cast<int>(4000 * by));
     if (!timed) aspheres(static_cast<int>(4000 * by));
+    if (!timed) bowls_of_aspheres(static_cast<int>(200 * by));
     rows_by_hand();
     return failures > 0;
 }

@@ -1079,6 +1079,20 @@ static bool asphere_behind(const void *self, size_t n, const sgt_rays *rays, dou
     return true;
 }
 
+/* SGT_MISS or SGT_HARD.  Returns how many are hard. */
+SGT_KERNEL
+static size_t asphere_left(size_t n, const mask misses[], sgt_status *restrict status)
+{
+    mask hard = 0;
+    _Pragma("omp simd reduction(+ : hard)") for (size_t i = 0; i < n; i++)
+    {
+        const mask gone = misses[i];
+        status[i] = (signed char)((int)(gone & (SGT_MISS - SGT_HARD)) + SGT_HARD);
+        hard -= ~gone;
+    }
+    return (size_t)hard;
+}
+
 static size_t asphere_leave(const void *self, const sgt_tile *tile, double behind[])
 {
     const sgt_even_asphere *s = self;
@@ -1087,19 +1101,27 @@ static size_t asphere_leave(const void *self, const sgt_tile *tile, double behin
     sgt_status *status = tile->hits.status;
     wavy v;
     mask misses[SGT_TILE];
-    size_t hard = n;
     memset(status, SGT_HARD, n);
     if (!asphere_valid(s)) return n;
     if (!terms) return sgt_conic_leave(s->c, s->k, s->semi_diameter, tile, behind);
     const shape h = shape_of(s, terms);
     if (!rim_in_range(h.rim2) || !wavy_of(&h, false, &v)) return n;
-    if (sgt_asphere_from_start(&h, &v, tile, misses, behind)) memset(status, SGT_MISS, n), hard = 0;
-    for (size_t i = 0; hard > 0 && i < n; i++)
-        if (misses[i]) status[i] = SGT_MISS, hard--;
-        else behind[i] = 0;
-    if (hard == n) return n;
+    bool all = sgt_asphere_from_start(&v, terms, tile, misses, behind), bowl = false;
+    convex b;
+    if (!all) {
+        tile_bend_of(&v, &b);
+        bowl = is_bowl(&b);
+        if (bowl) sgt_asphere_past_rim(&b, tile, misses, behind);
+        else sgt_asphere_past_rings(&h, tile, misses, behind);
+    }
     lane_nothing(tile);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 1;
+    size_t hard = all ? 0 : asphere_left(n, misses, status);
+    if (all || !hard) memset(status, SGT_MISS, n);
+    if (hard && bowl) sgt_asphere_left_bowl(&v, terms, &b, tile, misses, behind);
+    for (size_t i = 0; hard && bowl && i < n; i++) hard -= status[i] == SGT_HIT;
+    for (size_t i = 0; hard && i < n; i++)
+        if (status[i] == SGT_HARD) behind[i] = 0;
     return hard;
 }
 

@@ -355,6 +355,30 @@ typedef struct beside {
     bool few, first; /* few terms; the first root */
 } beside;
 
+/* From the seeds to the answers. */
+SGT_NOINLINE static void beside_roots(const beside *of, lane_wish wish, const sgt_tile *tile, lane_to to,
+                                      beside_room *r)
+{
+    const wavy *s = of->s;
+    const convex *b = of->b;
+    const bool few = of->few, counts = tile->hits.evals;
+    const size_t n = tile->n;
+    mask again = MASK(true);
+    for (int k = 0; k < SIDE_STEPS && again; k++) {
+        for (size_t i = 0; counts && i < n; i++) r->steps[i] += r->again[i] != 0;
+        if (k == 0)
+            again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, b, tile, r);
+        else
+            again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
+    }
+    mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, tile, r);
+    for (size_t i = 0; blunt && counts && i < n; i++) r->steps[i] += r->again[i] != 0;
+    if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, r);
+    (!few                ? asphere_beside_told
+     : wish >= LANE_FINE ? asphere_beside_few_told_rich
+                         : asphere_beside_few_told)(s, b, tile, to, r);
+}
+
 /* Answers a tile of which all rays are hard.  begun: as in an easy_tried; a ray without a start for the
  * rounds of easy.h has taken one evaluation there.  Returns how many are left. */
 SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sgt_tile *tile,
@@ -386,22 +410,7 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
         r->rises = r->starts[0], r->falls = r->starts[1];
     }
     if (!left) memset(r->ends.hit, 0, n * sizeof *r->ends.hit);
-    if (left) {
-        mask again = MASK(true);
-        for (int k = 0; k < SIDE_STEPS && again; k++) {
-            for (size_t i = 0; hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
-            if (k == 0)
-                again = (few ? asphere_beside_few_turned : asphere_beside_turned)(s, b, tile, r);
-            else
-                again = (few ? asphere_beside_few_step : asphere_beside_step)(s, b, tile, r);
-        }
-        mask blunt = (few ? asphere_beside_few_ends : asphere_beside_ends)(s, tile, r);
-        for (size_t i = 0; blunt && hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
-        if (blunt) (few ? asphere_beside_few_sharp : asphere_beside_sharp)(s, b, tile, r);
-        (!few                  ? asphere_beside_told
-         : wish >= LANE_FINE ? asphere_beside_few_told_rich
-                               : asphere_beside_few_told)(s, b, tile, to, r);
-    }
+    if (left) beside_roots(of, wish, tile, to, r);
     for (size_t i = 0; hits->evals && i < n; i++) { /* of a hit and of a hard ray with that of F at the end */
         int evals = (begun[i] ? hits->evals[i] : 2) + (r->asked[i] ? 2 : 0) + (r->on[i] ? 1 : 0) -
                     (r->away[i] ? 1 : 0);
@@ -471,4 +480,208 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, 
         hard += beside_all(&of, lane_wish_of(&part), &part, tried->begun + i, lane_to_of(&part, &r.ends), &r);
     }
     return hard;
+}
+
+/* ------------------------------------------------------------------- leaving a bowl */
+
+/* LEAVING A BOWL.  Let S be bent in one way as far as it goes, up to r = R, and let a ray start on it, at a
+ * root that is the only one near it and is not accepted (FROM ON IT).  sigma F is concave along the ray as
+ * long as r <= R, which is one stretch.  So
+ *     if it falls at the start,    it falls on, and the ray misses;
+ *     if it rises,                 it is > 0 behind the start, and has one zero at most;
+ *     and if it is > 0 at the end, it has none: the ray misses.
+ *
+ * THE END is where r^2 = R^2.  z is taken at D, where r^2 = E with E = R^2 (1 + 2^-20): with a = l^2 + m^2
+ * and b = x l + y m at the start, D a = sqrt(d) - b, d = b^2 + a (E - r^2).  The end is before it by
+ *     (sqrt(d) - sqrt(d - a (E - R^2))) / a <= (E - R^2) / sqrt(d).
+ * So sigma z there is at least sigma z(D) - |n| (E - R^2) / sqrt(d), and if that is above the highest of S,
+ * sigma F is above 0.  As r^2 <= R^2 as computed, E - r^2 is known to 2^-30 of itself, and d and its root as
+ * well; the sum of z by 2^-40 of its terms. */
+SGT_KERNEL
+static void asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[])
+{
+    const sgt_rays rows = tile->rays;
+    const double sign = b->sign, most = (sign > 0 ? b->high : b->low) * (1 + 0x1p-30), edge2 = b->edge2;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
+        double a = l * l + m * m, along = x * l + y * m, d = along * along + a * (edge2 - (x * x + y * y)),
+               root = sqrt(d), up = sign * (z * a + n * (root - along)) - most * a,
+               unsure = 0x1p-30 * (fabs(z) * a + fabs(n) * (root + fabs(along))),
+               rises = sign * behind[i];
+        mask past = MASK((up - unsure) * root > 0x1p-19 * (fabs(n) * (a * edge2)));
+        misses[i] |= MASK(rises < 0) | (MASK(rises > 0) & past);
+    }
+}
+
+void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[])
+{
+    asphere_past_rim(b, tile, misses, behind);
+}
+
+/* log2 x + 1023, off by less than 0.09, of a positive number; of 0 it is 0. */
+SGT_INLINE double left_log(double x)
+{
+    unsigned long long bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits = bits >> 32 | 0x4330000000000000ull; /* 2^52 + the upper half */
+    memcpy(&x, &bits, sizeof bits);
+    return (x - 0x1p52) * 0x1p-20;
+}
+
+/* 2^(y - 1023) to a tenth; y is made one of 1 to 2046. */
+SGT_INLINE double left_power(double y)
+{
+    unsigned long long bits;
+    y = larger(smaller(y, 2046), 1) * 0x1p20 + 0x1p52;
+    memcpy(&bits, &y, sizeof bits);
+    bits <<= 32;
+    memcpy(&y, &bits, sizeof y);
+    return y;
+}
+
+/* A step of Newton on z - P - c r^2 / 2, whose root is not before that of F, if that falls. */
+SGT_INLINE double left_nearer(const wavy *s, int terms, double sign, const sgt_ray *ray, double tau)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double x = sgt_fma(tau, l, ray->o.x), y = sgt_fma(tau, m, ray->o.y), z = sgt_fma(tau, n, ray->o.z),
+           rho = x * x + y * y, dh, h = horner_slope(s->a, terms, rho, &dh) + 0.5 * s->c,
+           f = sgt_fma(-rho, h, z), slope = sgt_fma(-2 * sgt_fma(rho, dh, h), x * l + y * m, n);
+    return chosen(MASK(sign * f < 0) & MASK(sign * slope < 0), tau - f / slope, tau);
+}
+
+/* THE ROOT is looked for from the start as the local origin, with t0 = 0.  The guess is beyond it, mostly:
+ * from there Newton's steps on a concave function lead to the root.  It is the lesser of
+ *     D,
+ *     the other root of the conic of curvature c + 2 a[0], if it is on this sheet.
+ * Where the powers outgrow the base (tall), it may also be, for each i, where the ray has the r of its start
+ * again, and from there on s farther, with
+ *     |a[i]| (a s^2)^(i + 1) = |n| s if sigma n > 0, else s = 0,
+ * and left_nearer makes it better. */
+SGT_INLINE void left_seeds(const wavy *s, const convex *b, int terms, bool tall, const sgt_tile *tile,
+                           beside_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double edge2 = b->edge2, bowl = b->bowl, ck = s->ck, sign = b->sign;
+    const wavy own = *s;
+    const size_t count = tile->n;
+    double log_a[ALL_TERMS];
+    for (int i = 0; tall && i < terms; i++) log_a[i] = left_log(larger(sign * s->a[i], 0));
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z;
+        double a = l * l + m * m, along = x * l + y * m, rho = x * x + y * y, by = 1 / a,
+               to = (sqrt(along * along + a * (edge2 - rho)) - along) * by,
+               A = sgt_fma(bowl, a, ck * (n * n)), B = n - sgt_fma(bowl, along, ck * (z * n)),
+               tau = 2 * B / A;
+        mask conic = MASK(tau > 0) & MASK(ck * sgt_fma(tau, n, z) < 1);
+        if (tall) {
+            double log_n = left_log(larger(sign * n, 0)), log_side = left_log(a) - 1023, far = 2046;
+            UNROLLED
+            for (int k = 0; k < terms; k++)
+                far = smaller(far, (log_n - log_a[k] - (k + 1) * log_side) * (1.0 / (2 * k + 1)) + 1023);
+            far = smaller(sgt_fma(1.05, left_power(far), -2 * smaller(along, 0) * by), to);
+            tau = chosen(conic & MASK(tau < far), tau, far);
+            tau = left_nearer(&own, terms, sign, &ray, tau), tau = left_nearer(&own, terms, sign, &ray, tau);
+        } else
+            tau = chosen(conic & MASK(tau < to), tau, to);
+        r->tau2[i] = tau;
+        r->x[i] = x, r->y[i] = y, r->z[i] = z, r->rho0[i] = rho, r->t0[i] = 0;
+        r->r2[i] = rho * (1 + 0x1p-10);
+        r->above[i] = r->again[i] = MASK(true), r->below[i] = 0;
+    }
+}
+
+#define LEFT_SEEDS(name, terms, tall)                                                                 \
+    SGT_KERNEL static void name(const wavy *s, const convex *b, const sgt_tile *tile, beside_room *r) \
+    {                                                                                                 \
+        left_seeds(s, b, terms, tall, tile, r);                                                       \
+    }
+LEFT_SEEDS(asphere_left_seeds, FEW_TERMS, false)
+LEFT_SEEDS(asphere_left_few_tall, FEW_TERMS, true)
+LEFT_SEEDS(asphere_left_all_tall, ALL_TERMS, true)
+
+/* Do the powers outgrow the base, or is there no end? */
+static bool left_is_tall(const wavy *s, const convex *b)
+{
+    const double high = b->sign > 0 ? b->high : b->low;
+    return !(high < HUGE_VAL && high <= 4 * (s->abs_c * b->edge2));
+}
+
+/* The answers of rays that are not met, with z computed anew (ANEW in side.h). */
+SGT_KERNEL
+static void asphere_left_anew(const wavy *self, const convex *bent, const sgt_tile *tile, lane_to to,
+                              const beside_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_local q = {r->x[i], r->y[i], r->z[i], 0};
+        const side_found found = {r->t0[i], r->r2[i], r->inverse[i], r->above[i], r->below[i]};
+        const wavy_round at = {.tau = r->tau[i], .tau_err = r->tau2[i], .v = r->from[i], .near = r->to[i]};
+        lane e = side_lane_at(s, b, ALL_TERMS, true, &q, &found, &at, &ray, t_tol[i]);
+        LANE_STORE_IF(to, i, e, e.hit & ~to.hit[i]);
+    }
+}
+
+/* The rays that rise are put side by side. */
+void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
+                           const mask misses[], const double behind[])
+{
+    static const double zero[SIDE_TILE];
+    beside_room r;
+    double ray[7][SIDE_TILE], (*out)[SIDE_TILE] = r.of;
+    double unwanted[SGT_TILE], *give[10];
+    unsigned char number[SGT_TILE];
+    const beside of = {s, b, terms <= FEW_TERMS, true};
+    const sgt_rays *all = &tile->rays;
+    const sgt_hits *hits = &tile->hits;
+    const lane_outputs rows = lane_outputs_of(hits);
+    const double *x = all->o[0], *y = all->o[1], *z = all->o[2], *l = all->d[0], *m = all->d[1],
+                 *n = all->d[2], *tmax = all->tmax;
+    const lane_to to = {out[0], out[1], out[2], out[3], out[4],     out[5],
+                        out[6], out[7], out[8], out[9], r.ends.hit};
+    size_t left = 0;
+    for (int k = 0; k < 10; k++) give[k] = rows.of[k] ? rows.of[k] : unwanted;
+    for (size_t i = 0; i < tile->n; i++) {
+        number[left] = (unsigned char)i;
+        left += !misses[i] & (behind[i] != 0);
+    }
+    for (size_t from = 0, some; from < left; from += some) {
+        const unsigned char *own = number + from;
+        some = left - from < SIDE_TILE ? left - from : SIDE_TILE;
+        for (size_t j = 0; j < some; j++) {
+            const size_t i = own[j];
+            ray[0][j] = x[i], ray[1][j] = y[i], ray[2][j] = z[i], ray[3][j] = l[i], ray[4][j] = m[i];
+            ray[5][j] = n[i], ray[6][j] = tmax[i];
+        }
+        const sgt_tile few = {.n = some,
+                              .rays = {.o = {ray[0], ray[1], ray[2]},
+                                       .d = {ray[3], ray[4], ray[5]},
+                                       .tmin = zero,
+                                       .tmax = ray[6]},
+                              .t_tol = zero,
+                              .hits = {.evals = hits->evals}};
+        if (hits->evals) memset(r.steps, 0, some * sizeof *r.steps);
+        (!left_is_tall(s, b) ? asphere_left_seeds : of.few ? asphere_left_few_tall : asphere_left_all_tall)(
+            s, b, &few, &r);
+        beside_roots(&of, lane_wish_of(tile), &few, to, &r);
+        mask every = MASK(true);
+        for (size_t j = 0; j < some; j++) every &= r.ends.hit[j];
+        if (!every) asphere_left_anew(s, b, &few, to, &r);
+        for (size_t j = 0; hits->evals && j < some; j++) hits->evals[own[j]] = 3 + r.steps[j];
+        for (size_t j = 0; j < some; j++) { /* of a ray that is not met: NaN */
+            const size_t i = own[j];
+            hits->status[i] = r.ends.hit[j] ? SGT_HIT : SGT_HARD;
+            UNROLLED for (int k = 0; k < 10; k++) give[k][i] = out[k][j];
+        }
+    }
 }

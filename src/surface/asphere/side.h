@@ -45,6 +45,8 @@
  *     w is off by first Q + |z0| + |z| + |w|,
  *     G by e = |v| (error of w) + |c| Q / 2 + 3 |(1 + k) c| w^2 + |G|.
  * (|c| rho / 2 of the second is the rounding of the inner fma.)  The slope is as good as that of easy.h.
+ * There 2 W1 stands for |v| W1: far out on a hyperboloid v is more than 2, and is taken itself.  v is off by
+ * e |(1 + k) c| / v, which has to be below 2^-38, or below 2^-38 v.
  *
  * SHARP.  Where the ray runs along the surface, or its local origin is far from the root, t is not sharp:
  * known to some hundreds of u.  Then G is computed once more, from the point at T = t0 + tau, which is a
@@ -55,7 +57,8 @@
  * + epsilon),    |epsilon| <= 8/7 Delta / |s|.
  *
  * THE POINT.  Rounding of x, x0, y, y0 and z0 takes it off the surface by u of their parts of F.  So a ray is
- * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.
+ * met only if (|x| + |x0|) |F_x| + (|y| + |y0|) |F_y| <= 12 |z| and |z0| <= 2 |z| there.  Where the slope S'
+ * is large, that sum may be 4 |z| sqrt(1 + S'^2): then the point is 4 u |z| off, measured along the normal.
  *
  * HEIGHTS.  Where S is convex (or concave) as far as the surface goes, it only rises (or falls) with r, as
  * S'(0) = 0: it lies between 0 and what it is where it ends.  Else the terms of either sign bound it
@@ -115,10 +118,11 @@ SGT_INLINE double bent_by_rings(const wavy *s, const convex *b)
     return r2 < 0x1p400 ? r2 : 0; /* a NaN, without an edge: 0 */
 }
 
-/* The sag where it ends.  phi may be 0 there, so the base is off by 2^-25 of itself. */
+/* The sag where a stretch may end (AN END): somewhat beyond the rim, or at the equator.  phi may be 0 there,
+ * so the base is off by 2^-25 of itself. */
 SGT_INLINE double sag_at_edge(const wavy *s, const convex *b)
 {
-    const double r2 = s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
+    const double r2 = b->ckc * b->edge2 < 1 ? b->edge2 : s->domain2, phi = sqrt(larger(1 - b->ckc * r2, 0));
     return s->c * r2 / (1 + phi) * (1 + 0x1p-24) + r2 * horner(s->a, ALL_TERMS, r2);
 }
 
@@ -343,15 +347,15 @@ SGT_INLINE side_round side_bound(const wavy *s, int terms, const side_local *q, 
            wide = sgt_fma(17 * a, H * H, 1.0625 * rho), first = horner(s->size, terms, wide);
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
-    double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant),
+    double terms_of_slope = sgt_fma(larger(2, 1 - ckw), W1, s->abs_c * at->slant),
            off = sgt_fma(M * (H + H), ai, slope_off(terms_of_slope, ai)); /* Delta / |s| */
     double e = 1.01 * SGT_U * side_noise(s, q, rho, z, first, g, w, ckw), noise = e * ai,
            tau = at->tau2 - step, t = fabs(t0 + tau);
     double tau_err =
         sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1000 * ai));
-    mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(fabs(ckw) < 1 - 0x1p-8) &
-                 MASK(e < s->most_e) & MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) &
-                 MASK(rho < 0x1p400),
+    mask known = MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(ckw < 1 - 0x1p-8) &
+                 MASK(e < s->most_e * larger(1, 0x1p8 * ((1 - ckw) * (1 - ckw)))) &
+                 MASK(s->abs_ck * (W1 * H) < 0x1p-10) & MASK(rho > 0x1p-400) & MASK(rho < 0x1p400),
          sure = known & MASK(q->rho0 <= 4 * rho) & MASK(fabs(q->z) <= 2 * az) &
                 MASK(sgt_fma(1.01 * SGT_U, t, tau_err) <= larger(40 * SGT_U * t, t_tol));
     sure &= MASK(e <= 24 * SGT_U * (aw + az)) |
@@ -498,6 +502,10 @@ SGT_INLINE side_seed side_seed_of(const wavy *s, const convex *b, int terms, boo
     return (side_seed){tau, chord & above, chord & below, away, chord & begin.close & ~ask->way.off};
 }
 
+/* ANEW.  For other points z is computed from x and y, as `snap` of sag/sag.h does it, with r^2 in twice the
+ * precision and where phi > 1/2.  P is off by 3 u of r^2 times the sum of (i + 1) |a[i]| r^(2 i).  The point
+ * moves along z by the slope times how far x and y are off. */
+
 /* The root from side_bound.  t0: of the local origin; r2 of the way; above, below as in a side_seed; inverse:
  * 1 / G' at the root. */
 typedef struct side_found {
@@ -505,8 +513,8 @@ typedef struct side_found {
     mask above, below;
 } side_found;
 
-SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
-                          const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+SGT_INLINE lane side_lane_at(const wavy *s, const convex *b, int terms, bool anew, const side_local *q,
+                             const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
     double t = found->t0 + at->tau;
@@ -520,14 +528,32 @@ SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_
                    .small = at->tau};
     double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
            dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * found->inverse,
-           pz = sgt_fma(at->tau, n, q->z);
+           pz = sgt_fma(at->tau, n, q->z), steep2 = g * (g * rho),
+           inherited = fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y)));
     mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
-                 is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)));
+                 (MASK(b->whole) | is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)))),
+         place = MASK(steep2 < 0x1p40) &
+                 (MASK(inherited <= 12 * fabs(pz)) |
+                  (MASK(steep2 > 8) & MASK(inherited * inherited <= 16 * (pz * pz) * (1 + steep2))));
+    double off = 0;
+    if (anew) {
+        const twofold r2 = square_radius(px, py);
+        double phi2 = 1 - b->ckc * r2.hi, phi = sqrt(phi2), base = s->c * r2.hi / (1 + phi);
+        pz = sgt_fma(r2.hi, horner(s->a, terms, r2.hi), base) + sgt_fma(0.5 * s->c, 1 / phi, dp) * r2.lo;
+        place = MASK(steep2 <= STEEP2) & MASK(phi2 > 0.25);
+        off = SGT_U * sgt_fma(24, fabs(base), sgt_fma(4 * r2.hi, horner(s->size, terms, r2.hi), fabs(pz)));
+    }
     lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
-                     known & MASK(fabs(t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2) &
-                         MASK(fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y))) <= 12 * fabs(pz)));
+                     known & MASK(fabs(t) < 0x1p300) & place);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
+    if (anew) e.p_err = sgt_fma(e.p_err * (1 + 0x1p-20), 1 + (fabs(e.nx) + fabs(e.ny)), off);
     return e;
+}
+
+SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
+                          const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+{
+    return side_lane_at(s, b, terms, false, q, found, at, ray, t_tol);
 }
 
 /* P / rho at rho by Horner's rule, with what its products and sums lose (Graillat, Langlois, Louvet 2009,
@@ -588,11 +614,23 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
 /* The single ray, and a tile (asphere/side.c); no proof is asked for. */
 easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
 
-/* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else?  By the slope within the
- * rim, else by rings (LEAVING in asphere/unique.c).  behind[i]: the sign of F right behind such a start; 0:
- * it is not known to be one.  Returns true if all misses[i] are set. */
-bool sgt_asphere_from_start(const shape *s, const wavy *v, const sgt_tile *tile, mask misses[],
-                            double behind[]);
+/* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else, by the slope within the rim
+ * (asphere/unique.c)?  behind[i]: the sign of F right behind such a start; 0: it is not known to be one.
+ * Returns true if all misses[i] are set. */
+bool sgt_asphere_from_start(const wavy *v, int terms, const sgt_tile *tile, mask misses[], double behind[]);
+
+/* Sets misses[i] of those that meet nothing else, by rings (LEAVING in asphere/unique.c). */
+void sgt_asphere_past_rings(const shape *s, const sgt_tile *tile, mask misses[], const double behind[]);
+
+/* The same where the surface is bent in one way as far as it goes (LEAVING A BOWL in asphere/side.c). */
+void sgt_asphere_past_rim(const convex *b, const sgt_tile *tile, mask misses[], const double behind[]);
+
+/* Meets those that are left, of such a surface.  Gives SGT_HIT to some. */
+void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_tile *tile,
+                           const mask misses[], const double behind[]);
+
+/* Is it bent in one way as far as it goes? */
+SGT_INLINE bool is_bowl(const convex *b) { return b->whole || b->everywhere; }
 
 /* Which rays start on the surface, or in the vertex, and certainly meet nothing else?  By the cone
  * (asphere/unique.c).  leaves[i] stays as it is if that is so, otherwise it is set to 0.  hits and t_tol are

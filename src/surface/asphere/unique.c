@@ -338,28 +338,24 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
         memset(leaves, 0, tile->n * sizeof *leaves);
 }
 
-/* FROM A START.  Which rays start on the surface, and is F monotone within the rim, so that they meet
- * nothing else (single)?  behind: the sign of F behind the start; 0: not known.  Returns all bits set if
+/* FROM A START.  Which rays start on the surface, and is F monotone within the rim, or linear, so that they
+ * meet nothing else (single)?  behind: the sign of F behind the start; 0: not known.  Returns all bits set if
  * that is all. */
-SGT_INLINE mask lane_from_start(const wavy *self, int terms, const sgt_tile *tile, mask single[], cones *e,
+SGT_INLINE mask lane_from_start(const wavy *self, int terms, const sgt_tile *tile, mask single[],
                                 double *restrict behind)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
     const convex b = {.sign = 1, .ckc = s->ck * s->c};
-    const double off = 0x1p-40;
     size_t count = tile->n;
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, l = ray.d.x, m = ray.d.y, n = ray.d.z,
-                     a = l * l + m * m, n2 = n * n;
+        const double l = ray.d.x, m = ray.d.y, n = ray.d.z;
         side_on at = side_on_of(s, &b, terms, &ray);
-        mask on = (at.rises | at.falls) & usual_length(a + n2) & MASK(ray.tmax > 0),
-             alone = on & wavy_single(s, l, m, n);
-        e->high[i] = copysign(1, n) * z - off * fabs(z), e->q[i] = sqrt(n2 / a) * (1 - off);
-        e->r[i] = sqrt(x * x + y * y) * (1 + off);
+        mask on = (at.rises | at.falls) & usual_length((l * l + m * m) + n * n) & MASK(ray.tmax > 0),
+             alone = on & (wavy_single(s, l, m, n) | MASK(fabs(l) + fabs(m) == 0));
         behind[i] = chosen(on, chosen(at.rises, 1, -1), 0), single[i] = alone;
         all &= alone;
     }
@@ -367,38 +363,65 @@ SGT_INLINE mask lane_from_start(const wavy *self, int terms, const sgt_tile *til
 }
 
 SGT_KERNEL
-static mask asphere_few_from_start(const wavy *s, const sgt_tile *tile, mask single[], cones *e,
-                                   double *behind)
+static mask asphere_few_from_start(const wavy *s, const sgt_tile *tile, mask single[], double *behind)
 {
-    return lane_from_start(s, FEW_TERMS, tile, single, e, behind);
+    return lane_from_start(s, FEW_TERMS, tile, single, behind);
 }
 SGT_KERNEL
-static mask asphere_all_from_start(const wavy *s, const sgt_tile *tile, mask single[], cones *e,
-                                   double *behind)
+static mask asphere_all_from_start(const wavy *s, const sgt_tile *tile, mask single[], double *behind)
 {
-    return lane_from_start(s, ALL_TERMS, tile, single, e, behind);
+    return lane_from_start(s, ALL_TERMS, tile, single, behind);
 }
 
-bool sgt_asphere_from_start(const shape *s, const wavy *v, const sgt_tile *tile, mask misses[],
-                            double behind[])
+bool sgt_asphere_from_start(const wavy *v, int terms, const sgt_tile *tile, mask misses[], double behind[])
 {
+    return terms > FEW_TERMS ? asphere_all_from_start(v, tile, misses, behind) != 0
+                             : asphere_few_from_start(v, tile, misses, behind) != 0;
+}
+
+/* The cones of rays that start on the surface. */
+SGT_KERNEL
+static void asphere_start_cones(const sgt_tile *tile, mask asked[], cones *e)
+{
+    const sgt_rays rows = tile->rays;
+    const double off = 0x1p-40;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double x = ray.o.x, y = ray.o.y, z = ray.o.z, n2 = ray.d.z * ray.d.z,
+                     a = ray.d.x * ray.d.x + ray.d.y * ray.d.y;
+        e->high[i] = copysign(1, ray.d.z) * z - off * fabs(z), e->q[i] = sqrt(n2 / a) * (1 - off);
+        e->r[i] = sqrt(x * x + y * y) * (1 + off);
+        asked[i] = MASK(a > 0x1p-400) & MASK(n2 > 0x1p-200);
+    }
+}
+
+void sgt_asphere_past_rings(const shape *s, const sgt_tile *tile, mask misses[], const double behind[])
+{
+    double own[6][SGT_TILE];
+    unsigned char number[SGT_TILE];
+    mask over[SGT_TILE];
     slope_rings g;
     cones e;
-    mask over[SGT_TILE], any = 0;
-    if ((s->terms > FEW_TERMS ? asphere_all_from_start : asphere_few_from_start)(v, tile, misses, &e, behind))
-        return true;
-    if (!(s->domain2 < 0x1p600 && s->domain2 > 0x1p-600)) return false;
-    for (size_t i = 0; i < tile->n; i++) {
-        const double l = tile->rays.d[0][i], m = tile->rays.d[1][i], n = tile->rays.d[2][i];
-        over[i] = MASK(behind[i] != 0) & ~misses[i] & MASK(l * l + m * m > 0x1p-400) & MASK(n * n > 0x1p-200);
-        any |= over[i];
-    }
-    if (!any) return false;
+    size_t some = 0;
+    const sgt_rays *r = &tile->rays;
+    const double *const row[6] = {r->o[0], r->o[1], r->o[2], r->d[0], r->d[1], r->d[2]};
+    if (!(s->domain2 < 0x1p600 && s->domain2 > 0x1p-600)) return;
+    for (size_t i = 0; i < tile->n; i++)
+        if (behind[i] != 0 && !misses[i]) number[some++] = (unsigned char)i;
+    if (!some) return;
+    for (int k = 0; k < 6; k++)
+        for (size_t j = 0; j < some; j++) own[k][j] = row[k][number[j]];
+    const sgt_tile few = {.n = some,
+                          .rays = {.o = {own[0], own[1], own[2]},
+                                   .d = {own[3], own[4], own[5]},
+                                   .tmin = own[0],
+                                   .tmax = own[0]}}; /* the ends are not read */
+    asphere_start_cones(&few, over, &e);
     asphere_rings(s, &g);
-    asphere_leaves(&g, tile, &e, over);
-    mask all = MASK(true);
-    for (size_t i = 0; i < tile->n; i++) misses[i] |= over[i], all &= misses[i];
-    return all != 0;
+    asphere_leaves(&g, &few, &e, over);
+    for (size_t j = 0; j < some; j++) misses[number[j]] |= over[j];
 }
 
 /* Does the ray start on the surface, in its rings, so that the root nearest by is the start, and not
