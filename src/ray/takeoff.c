@@ -111,7 +111,10 @@ SGT_INLINE void takeoff_begins(bool by_axis, rows w, size_t n, const sgt_shared 
 
 #define TAKEOFF_BEGIN(NAME, BY_AXIS)                                                                         \
     SGT_KERNEL                                                                                               \
-    static void NAME(rows w, size_t n, const sgt_shared *whole) { takeoff_begins(BY_AXIS, w, n, whole); }
+    static void NAME(rows w, size_t n, const sgt_shared *whole)                                              \
+    {                                                                                                        \
+        takeoff_begins(BY_AXIS, w, n, whole);                                                                \
+    }
 TAKEOFF_BEGIN(takeoff_begin, false)
 TAKEOFF_BEGIN(takeoff_begin_by_axis, true)
 
@@ -267,8 +270,9 @@ static void near_axis(sgt_surface s, rows w, size_t k, const sgt_ray *ray, const
         v->evals[i] += 1;
         if (v->told) tell_cell(v->told, SGT_MARCH, ray->tmin, ray->tmin, g, slope);
         e.reach = 8 * reach;
-        if (g.lo < 0 && g.hi > 0 && 8 * fabs(w[F0][k]) <= smaller(-g.lo, g.hi) && g.hi - g.lo < HUGE_VAL)
-            is = state_behind(e);
+        bool hidden = g.lo < 0 && g.hi > 0 && g.hi - g.lo < HUGE_VAL &&
+                      fabs(w[F0][k]) <= 0.125 * smaller(-g.lo, g.hi) + 0.5 * reach;
+        if (hidden) is = state_behind(e);
     }
     w[STATE][k] = is == NEAR_AXIS ? NOT_ON : is;
     w[B][k] = e.size - e.err;
@@ -282,7 +286,8 @@ static size_t takeoff_rows(size_t n, const sgt_rays *r, const vicinity *v, unsig
     for (size_t i = 0; i < n; i++) {
         double to = smaller(v->hi[i], v->tmax[i]);
         sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]};
-        if (v->asked[i] == 0 || !starts_low(o, v->tmin[i]) || !(v->lo[i] <= 0 && to > 0 && to < HUGE_VAL)) continue;
+        if (v->asked[i] == 0 || !starts_low(o, v->tmin[i])) continue;
+        if (!(v->lo[i] <= 0 && to > 0 && to < HUGE_VAL)) continue; /* nor NaN */
         if (v->evals[i] + LOOKS >= 0.5 * v->budget) continue;
         of[left] = (unsigned char)i, w[TO][left++] = to;
     }
@@ -311,9 +316,9 @@ static bool takeoff_look(sgt_surface s, size_t n, const sgt_shared *whole, const
 /* Reports row k.  Returns whether the ray has left the start, and may come back. */
 static bool takeoff_tell(rows w, size_t k, const sgt_ray *ray, const vicinity *v, size_t i)
 {
-    const double scale = scale_of(ray->d), back = comes_back(behind_of(w, k));
     if (w[STATE][k] == GONE) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     if (w[STATE][k] != AGAIN) return false;
+    const double scale = scale_of(ray->d), back = comes_back(behind_of(w, k));
     v->lo[i] = w[H][k] * scale, v->seed[i] = (back > w[H][k] && back < w[TO][k] ? back : w[TO][k]) * scale;
     return true;
 }
