@@ -106,7 +106,7 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
         double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale;
-        sgt_interval bent = bend_by(by_axis, &of, l, m);
+        sgt_interval bent = bent_along(by_axis, &of, l, m);
         double first = from[i] * inverse, last = to[i] * inverse, tx = first * l, ty = first * m;
         mask in = glance_within(R, ox[i] + tx, oy[i] + ty, tx, ty);
         double at = larger(seed[i] * inverse, first);
@@ -114,7 +114,8 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
         dx[i] = l, dy[i] = m, dz[i] = d.z * scale;
         from[i] = chosen(in, first, (double)NAN), to[i] = last, t[i] = at;
         left[i] = -HUGE_VAL, right[i] = HUGE_VAL, a[i] = b[i] = 0;
-        sign[i] = 0, low[i] = -bent.hi, high[i] = -bent.lo, before[i] = (double)NAN, slope[i] = 0, state[i] = SEEKS;
+        sign[i] = 0, low[i] = -bent.hi, high[i] = -bent.lo;
+        before[i] = (double)NAN, slope[i] = 0, state[i] = SEEKS;
         px[i] = ox[i] + at * l, py[i] = oy[i] + at * m, pz[i] = oz[i] + at * dz[i];
     }
 }

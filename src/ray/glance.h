@@ -35,7 +35,7 @@ SGT_INLINE bool bends_by_axis(const sgt_shared *whole)
 }
 
 /* The second derivative along (l, m) is in this (wings.c, THE BEND, BY AXIS). */
-SGT_INLINE sgt_interval bend_by(bool by_axis, const bends *of, double l, double m)
+SGT_INLINE sgt_interval bent_along(bool by_axis, const bends *of, double l, double m)
 {
     const double off = 0x1p-40;
     double l2 = l * l, m2 = m * m, all = l2 + m2, rounded = off * of->bent_most * all,

@@ -85,8 +85,8 @@ enum {
 };
 _Static_assert((int)ROWS <= (int)VICINITY_ROWS, "the rows of vicinity.h");
 
-/* STARTS: starts on the surface, perhaps.  ENDS: looks at the end.  GONE: nothing is met.  AGAIN: has left the
- * start.  NEAR_AXIS: has, if rounding at the very start is small.  NOT_ON: nothing is said. */
+/* STARTS: starts on the surface, perhaps.  ENDS: looks at the end.  GONE: nothing is met.  AGAIN: has left
+ * the start.  NEAR_AXIS: has, if rounding at the very start is small.  NOT_ON: nothing is said. */
 enum { STARTS, ENDS, GONE, AGAIN, NEAR_AXIS, NOT_ON };
 
 typedef double *const *rows;
@@ -102,7 +102,7 @@ SGT_INLINE void takeoff_begins(bool by_axis, rows w, size_t n, const sgt_shared 
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
         double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale;
-        sgt_interval bent = bend_by(by_axis, &of, l, m);
+        sgt_interval bent = bent_along(by_axis, &of, l, m);
         dx[i] = l, dy[i] = m, dz[i] = d.z * scale, to[i] *= inverse;
         low[i] = -bent.hi, high[i] = -bent.lo;
         px[i] = ox[i], py[i] = oy[i], pz[i] = oz[i];
@@ -122,7 +122,7 @@ TAKEOFF_BEGIN(takeoff_begin_by_axis, true)
 typedef struct takeoff_at { sgt_vec3 p, grad; double tx, ty, tz; } takeoff_at;
 
 /* What rounding of the point does to F, as around_of has it (step.h). */
-SGT_INLINE double place_error(sgt_vec3 o, takeoff_at e)
+SGT_INLINE double takeoff_place(sgt_vec3 o, takeoff_at e)
 {
     double ex = fabs(o.x) + fabs(e.tx) + fabs(e.p.x), ey = fabs(o.y) + fabs(e.ty) + fabs(e.p.y),
            ez = fabs(o.z) + fabs(e.tz) + fabs(e.p.z);
@@ -141,7 +141,7 @@ static void takeoff_first(rows w, size_t n, double R)
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = {ox[i], oy[i], oz[i]}, grad = {fx[i], fy[i], 1};
         double l = dx[i], m = dy[i], terms = fabs(o.x * grad.x) + fabs(o.y * grad.y) + fabs(o.z),
-               moved = place_error(o, (takeoff_at){o, grad, 0, 0, 0}), err = own[i] + 1.01 * moved,
+               moved = takeoff_place(o, (takeoff_at){o, grad, 0, 0, 0}), err = own[i] + 1.01 * moved,
                falls = grad.x * l + grad.y * m + dz[i], bend = larger(-low[i], high[i]);
         double by_bend = 0.2 * fabs(falls) / bend, most = 0.5 * to[i],
                step = chosen(MASK(by_bend < most), by_bend, most);
@@ -156,10 +156,10 @@ static void takeoff_first(rows w, size_t n, double R)
 
 /* What is known of a ray after the look at h: where the chord ends, the bounds on G'', |F| and its error, |F|
  * at most at the start, the reach of the rule times a slope, and G' at both as computed. */
-typedef struct behind { double h, to, lo, hi, size, err, before, reach, s0, s1; } behind;
+typedef struct takeoff { double h, to, lo, hi, size, err, before, reach, s0, s1; } takeoff;
 
 /* Where a parabola through the start is 0 again; infinite: it is not. */
-SGT_INLINE double comes_back(behind e)
+SGT_INLINE double comes_back(takeoff e)
 {
     double shown = (e.s1 - e.s0) / e.h;
     shown = -larger(-larger(shown, e.lo), -e.hi);
@@ -167,7 +167,7 @@ SGT_INLINE double comes_back(behind e)
 }
 
 /* The state that follows. */
-SGT_INLINE double state_behind(behind e)
+SGT_INLINE double state_behind(takeoff e)
 {
     double b = e.size - e.err, curve = 0.5625 * larger(-e.lo, e.hi) * e.h,
            least = (b - e.before) / e.h - curve, most = (e.size + e.err + e.before) / e.h + curve;
@@ -193,10 +193,10 @@ static void takeoff_second(rows w, size_t n, double R)
     LANES for (size_t i = 0; i < n; i++) {
         double l = dx[i], m = dy[i], t = h[i];
         takeoff_at e = {{px[i], py[i], pz[i]}, {fx[i], fy[i], 1}, t * l, t * m, t * dz[i]};
-        double err = own[i] + 1.01 * place_error((sgt_vec3){ox[i], oy[i], oz[i]}, e),
+        double err = own[i] + 1.01 * takeoff_place((sgt_vec3){ox[i], oy[i], oz[i]}, e),
                falls = e.grad.x * l + e.grad.y * m + dz[i];
         mask rises = MASK(f[i] > 0);
-        behind of = {.h = t, .to = to[i], .lo = chosen(rises, low[i], -high[i]),
+        takeoff of = {.h = t, .to = to[i], .lo = chosen(rises, low[i], -high[i]),
                      .hi = chosen(rises, high[i], -low[i]), .size = fabs(f[i]), .err = err, .before = a[i],
                      .reach = 0.98 * reach[i], .s0 = chosen(rises, slope[i], -slope[i]),
                      .s1 = chosen(rises, falls, -falls)};
@@ -229,7 +229,7 @@ static void takeoff_third(rows w, size_t n, double R)
     LANES for (size_t i = 0; i < n; i++) {
         double t = to[i], D = t - h[i];
         takeoff_at e = {{px[i], py[i], pz[i]}, {fx[i], fy[i], 1}, t * dx[i], t * dy[i], t * dz[i]};
-        double err = own[i] + 1.01 * place_error((sgt_vec3){ox[i], oy[i], oz[i]}, e),
+        double err = own[i] + 1.01 * takeoff_place((sgt_vec3){ox[i], oy[i], oz[i]}, e),
                g = chosen(MASK(f1[i] > 0), f[i], -f[i]), c = g - err,
                hi = chosen(MASK(f1[i] > 0), high[i], -low[i]), bend = 0.5 * larger(hi, 0) * (D * D);
         mask between = MASK(c > 0) & MASK((1 + 0x1p-19) * bend < b[i] + c + 2 * sqrt(larger(b[i] * c, 0))) &
@@ -245,10 +245,10 @@ static sgt_ray takeoff_ray(const sgt_rays *r, const vicinity *v, size_t i)
 }
 
 /* What is known of row k, as takeoff_second has it. */
-static behind behind_of(rows w, size_t k)
+static takeoff takeoff_of(rows w, size_t k)
 {
     bool rises = w[F1][k] > 0;
-    return (behind){.h = w[H][k], .to = w[TO][k], .lo = rises ? w[LOW][k] : -w[HIGH][k],
+    return (takeoff){.h = w[H][k], .to = w[TO][k], .lo = rises ? w[LOW][k] : -w[HIGH][k],
                     .hi = rises ? w[HIGH][k] : -w[LOW][k], .size = fabs(w[F1][k]), .reach = w[REACH][k],
                     .s0 = rises ? w[S0][k] : -w[S0][k], .s1 = rises ? w[S1][k] : -w[S1][k]};
 }
@@ -259,10 +259,10 @@ static void near_axis(sgt_surface s, rows w, size_t k, const sgt_ray *ray, const
 {
     const takeoff_at at = {{w[PX][k], w[PY][k], w[PZ][k]}, {w[FX][k], w[FY][k], 1}, w[H][k] * w[DX][k],
                            w[H][k] * w[DY][k], w[H][k] * w[DZ][k]};
-    behind e = behind_of(w, k);
+    takeoff e = takeoff_of(w, k);
     const double reach = e.reach;
     e.before = fabs(w[F0][k]) + 1.01 * (w[PLACE][k] + s.ops->rounding(s.self, ray->o));
-    e.err = 1.01 * (place_error(ray->o, at) + s.ops->rounding(s.self, at.p));
+    e.err = 1.01 * (takeoff_place(ray->o, at) + s.ops->rounding(s.self, at.p));
     e.reach = 0.98 * reach;
     double is = state_behind(e);
     if (is == NEAR_AXIS) {
@@ -318,7 +318,7 @@ static bool takeoff_tell(rows w, size_t k, const sgt_ray *ray, const vicinity *v
 {
     if (w[STATE][k] == GONE) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     if (w[STATE][k] != AGAIN) return false;
-    const double scale = scale_of(ray->d), back = comes_back(behind_of(w, k));
+    const double scale = scale_of(ray->d), back = comes_back(takeoff_of(w, k));
     v->lo[i] = w[H][k] * scale, v->seed[i] = (back > w[H][k] && back < w[TO][k] ? back : w[TO][k]) * scale;
     return true;
 }
