@@ -19,8 +19,8 @@
 // LEAVING.  Rays from hits, of types with a rim and without, in directions of the whole sphere and along the
 // surface, a tenth of them from next to the axis, and to another point of it, far or near: by sgt_leave, one
 // by one and in batches.  The judge is the same, from a millionth of the size on; and no root between the two
-// points of a pair and a little behind them is passed over.  What is undecided are rays of a few specimens that have spent their
-// evaluations far out: less than one in five of a type (observed), or all of two specimens.
+// points of a pair and a little behind them is passed over.  What is undecided are rays of a few specimens
+// that have spent their evaluations far out: less than one in five of a type (observed), or all of two specimens.
 //
 // GRAZING.  Mirrors of beamlines (toroids, biconics, cylinders with one curvature a hundred times the other),
 // bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface,
@@ -351,16 +351,18 @@ void pairs(generator &g, const char *type, int surfaces)
                 undecided);
 }
 
-// Does a ray that has left the surface meet it about `again`, and the answer says that it does not?  F has one
-// sign in the middle of the way, and the other a little behind.
-bool passes_again(const formula<quad> &exact, const sgt_ray &ray, double again, double inside, const sgt_hit &h)
+// Does a ray that has left the surface meet it about `again`, and the answer says that it does not?  F has
+// one sign in the middle of the way, and the other a little behind.
+bool passes_again(const formula<quad> &exact, const sgt_ray &ray, double again, double inside,
+                  const sgt_hit &h)
 {
     if (!(again > 0) || h.status < 0) return false;
     const int there = sign(along(exact, ray, quad(again) / 2));
     for (int k = 1; k <= 3 && there; k++) {
         const quad t = quad(again) * (1 + quad(0.03) * k * k), x = quad(ray.o.x) + t * quad(ray.d.x),
                    y = quad(ray.o.y) + t * quad(ray.d.y), rim = inside;
-        if ((inside > 0 && !(x * x + y * y < rim * rim)) || !(static_cast<double>(t) < ray.tmax)) return false;
+        if ((inside > 0 && !(x * x + y * y < rim * rim)) || !(static_cast<double>(t) < ray.tmax))
+            return false;
         if (sign(along(exact, ray, t)) == -there)
             return h.status == SGT_MISS || quad(h.t) - quad(h.t_err) > t;
     }
@@ -390,8 +392,11 @@ void leaving(generator &g, const char *type, int surfaces)
             const double across = rise != z ? 1 : std::sqrt(1 - z * z),
                          apart = s.h * g.log_uniform(1e-4, 1), x = at.p.x + apart * std::cos(to),
                          y = at.p.y + apart * std::sin(to), other = -rough(x, y, 0.0);
-            const bool pair = g.chance(0.3) && other == other;
-            if (pair) rise = (other - at.p.z) / apart;
+            bool pair = g.chance(0.3) && other == other;
+            const sgt_ray aimed = {at.p, {std::cos(to), std::sin(to), (other - at.p.z) / apart}, 0, INFINITY};
+            const quad middle = pair ? along(exact, aimed, quad(apart) / 2) : quad(0);
+            pair = pair && (middle < 0 ? -middle : middle) > quad(1e-12 * s.h); // a plane: all is the start
+            if (pair) rise = aimed.d.z;
             again.push_back(pair ? apart : 0);
             all.push_back({at.p,
                            at.n,
@@ -431,7 +436,8 @@ void leaving(generator &g, const char *type, int surfaces)
             if (h.status == SGT_MISS &&
                 (inside > 0 ? changes_within(exact, ray, inside, begin, reach) : changes(exact, ray, s.h)))
                 fail("a miss that meets", s, ray, h);
-            if (passes_again(exact, ray, again[i], inside, h)) fail("a second root is passed over", s, ray, h);
+            if (passes_again(exact, ray, again[i], inside, h))
+                fail("a second root is passed over", s, ray, h);
             parted += again[i] > 0 && h.status == SGT_HIT;
             const bool within = !(inside > 0 && std::hypot(ray.o.x, ray.o.y) > inside) && end > begin;
             if (h.status == SGT_MISS && within && beyond_start(exact, s, ray, begin))
@@ -446,8 +452,10 @@ void leaving(generator &g, const char *type, int surfaces)
                 fail("another root is nearer", s, ray, h);
         }
     }
-    std::printf("%-14s %6ld starts, %6ld misses, %4ld undecided, %.1f evaluations; %ld meet what they aim at\n",
-                type, rays, misses, undecided, static_cast<double>(evals) / static_cast<double>(rays), parted);
+    std::printf("%-14s %6ld starts, %6ld misses, %4ld undecided, %.1f evaluations; %ld meet what they aim "
+                "at\n",
+                type, rays, misses, undecided, static_cast<double>(evals) / static_cast<double>(rays),
+                parted);
     if (undecided * 4 > rays + 8 * RAYS) failed[std::string(type) + ": too many starts are undecided"]++;
 }
 
