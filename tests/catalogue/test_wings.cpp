@@ -18,9 +18,10 @@
 //
 // LEAVING.  Rays from hits, of types with a rim and without, in directions of the whole sphere and along the
 // surface, a tenth of them from next to the axis, and to another point of it, far or near: by sgt_leave, one
-// by one and in batches.  The judge is the same, from a millionth of the size on; and no root between the two
-// points of a pair and a little behind them is passed over.  What is undecided are rays of a few specimens
-// that have spent their evaluations far out: less than one in five of a type (observed), or all of two specimens.
+// by one and in batches.  The judge is the same, from a millionth of the size on; no root between the two
+// points of a pair and a little behind them is passed over; and F has the sign of the side.  What is undecided
+// are rays of a few specimens that have spent their evaluations far out: less than one in five of a type
+// (observed), or all of two specimens.
 //
 // GRAZING.  Mirrors of beamlines (toroids, biconics, cylinders with one curvature a hundred times the other),
 // bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface,
@@ -440,6 +441,9 @@ void leaving(generator &g, const char *type, int surfaces)
                 fail("a second root is passed over", s, ray, h);
             parted += again[i] > 0 && h.status == SGT_HIT;
             const bool within = !(inside > 0 && std::hypot(ray.o.x, ray.o.y) > inside) && end > begin;
+            if (within && c.side != 0 && (h.status == SGT_MISS || h.t - h.t_err > begin) &&
+                sign(along(exact, ray, quad(begin))) == -c.side)
+                fail("the other side", s, ray, h);
             if (h.status == SGT_MISS && within && beyond_start(exact, s, ray, begin))
                 fail("a miss that meets next to the start", s, ray, h);
             if (h.status != SGT_HIT || !(h.t > begin)) continue;
