@@ -27,8 +27,10 @@
  * root.
  *
  * NEAR THE AXIS the terms vanish, and one bound on the rounding for the whole rim is a wide one.  There the
- * surface is asked for its rounding at the very points; and if that is not enough, whether an enclosure at
- * the start hides its root (wings.c, HIDDEN).
+ * surface is asked for its rounding at the very points; and if that is not enough, whether an enclosure of F
+ * at the start hides its root, as in wings.c (HIDDEN): a search by cells drops a root at t if t is at most
+ * t_err and the reach, and F computed at the start is at most an eighth of what that makes t_err, and half of
+ * the reach.
  *
  * ROUNDING.  As in glance.c.  h is far greater than the rounding of t: the start is t = 0.
  *

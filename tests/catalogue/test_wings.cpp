@@ -19,9 +19,9 @@
 // LEAVING.  Rays from hits, of types with a rim and without, in directions of the whole sphere and along the
 // surface, a tenth of them from next to the axis, and to another point of it, far or near: by sgt_leave, one
 // by one and in batches.  The judge is the same, from a millionth of the size on; no root between the two
-// points of a pair and a little behind them is passed over; and F has the sign of the side.  What is undecided
-// are rays of a few specimens that have spent their evaluations far out: less than one in five of a type
-// (observed), or all of two specimens.
+// points of a pair and a little behind them is passed over; and F has the sign of the side.  What is
+// undecided are rays of a few specimens that have spent their evaluations far out: less than one in five of a
+// type (observed), or all of two specimens.
 //
 // GRAZING.  Mirrors of beamlines (toroids, biconics, cylinders with one curvature a hundred times the other),
 // bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface,
