@@ -27,7 +27,7 @@
  * root.
  *
  * NEAR THE AXIS the terms vanish, and one bound on the rounding for the whole rim is a wide one.  There the
- * surface is asked for its rounding at the very points; and if that is not enough, whether an enclosure of F
+ * surface is asked for its rounding at the very start; and if that is not enough, whether an enclosure of F
  * at the start hides its root, as in wings.c (HIDDEN): a search by cells drops a root at t if t is at most
  * t_err and the reach, and F computed at the start is at most an eighth of what that makes t_err, and half of
  * the reach.
@@ -264,7 +264,7 @@ static void near_axis(sgt_surface s, rows w, size_t k, const sgt_ray *ray, const
     takeoff e = takeoff_of(w, k);
     const double reach = e.reach;
     e.before = fabs(w[F0][k]) + 1.01 * (w[PLACE][k] + s.ops->rounding(s.self, ray->o));
-    e.err = 1.01 * (takeoff_place(ray->o, at) + s.ops->rounding(s.self, at.p));
+    e.err = w[OWN][k] + 1.01 * takeoff_place(ray->o, at); /* is far less than |F| there, mostly */
     e.reach = 0.98 * reach;
     double is = state_behind(e);
     if (is == NEAR_AXIS) {
