@@ -313,9 +313,10 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     /* step 2 */
-    bool weak = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
-                is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared) &&
-                starts_weakly(ray->o, ray->d, ray->tmin, w.least);
+    const bool low = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
+                     is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared),
+               weak = low && starts_weakly(ray->o, ray->d, ray->tmin, w.least);
+    if (low && !weak && !all && starts_at_root(ray->o, ray->tmin, span.seed, span.lo, span.hi)) span.seed = 0;
     double clear = -HUGE_VAL;
     if (!all && (!span.single || weak) && root_nearby(&w, &span, near, kept, &clear))
         return w.told.evals - w.told.before;

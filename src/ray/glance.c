@@ -93,13 +93,6 @@ enum { SEEKS, BEGIN, KNOWN, LOST, TOLD };
 
 typedef double *const *rows;
 
-/* Is a point within R of the axis, however it was rounded?  tx, ty: its terms. */
-SGT_INLINE mask glance_within(double R, double x, double y, double tx, double ty)
-{
-    double inner = R - 0x1p-50 * (fabs(tx) + fabs(ty) + fabs(x) + fabs(y));
-    return MASK(inner > 0) & MASK(x * x + y * y < inner * inner);
-}
-
 /* From the rays as they are.  GUESS: the seed. */
 SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *whole, double R)
 {
@@ -109,21 +102,11 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
            *restrict high = w[HIGH], *restrict before = w[BEFORE], *restrict slope = w[SLOPE],
            *restrict state = w[STATE], *restrict px = w[PX], *restrict py = w[PY], *restrict pz = w[PZ];
     const double *ox = w[OX], *oy = w[OY], *oz = w[OZ], *seed = w[GUESS];
-    const sgt_interval bent = whole->bent, xx = whole->axis.xx, yy = whole->axis.yy;
-    const double xy = whole->axis.xy, off = 0x1p-40, bent_most = larger(-bent.lo, bent.hi),
-                 xx_most = larger(-xx.lo, xx.hi), yy_most = larger(-yy.lo, yy.hi),
-                 least = whole->axis.turn > 0 ? 0 : -HUGE_VAL, greatest = whole->axis.turn < 0 ? 0 : HUGE_VAL;
+    const bends of = bends_of(whole);
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
-        double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale,
-               l2 = l * l, m2 = m * m, all = l2 + m2, rounded = off * bent_most * all,
-               lo = bent.lo * all - rounded, hi = bent.hi * all + rounded;
-        if (by_axis) {
-            double mixed = 2 * xy * fabs(l * m), less = xx.lo * l2 + yy.lo * m2 - mixed,
-                   more = xx.hi * l2 + yy.hi * m2 + mixed, lost = off * (xx_most * l2 + yy_most * m2 + mixed);
-            lo = larger(lo, less - lost), hi = -larger(-hi, -(more + lost));
-            lo = larger(lo, least), hi = -larger(-hi, -greatest);
-        }
+        double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale;
+        sgt_interval bent = bent_along(by_axis, &of, l, m);
         double first = from[i] * inverse, last = to[i] * inverse, tx = first * l, ty = first * m;
         mask in = glance_within(R, ox[i] + tx, oy[i] + ty, tx, ty);
         double at = larger(seed[i] * inverse, first);
@@ -131,7 +114,8 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
         dx[i] = l, dy[i] = m, dz[i] = d.z * scale;
         from[i] = chosen(in, first, (double)NAN), to[i] = last, t[i] = at;
         left[i] = -HUGE_VAL, right[i] = HUGE_VAL, a[i] = b[i] = 0;
-        sign[i] = 0, low[i] = -hi, high[i] = -lo, before[i] = (double)NAN, slope[i] = 0, state[i] = SEEKS;
+        sign[i] = 0, low[i] = -bent.hi, high[i] = -bent.lo;
+        before[i] = (double)NAN, slope[i] = 0, state[i] = SEEKS;
         px[i] = ox[i] + at * l, py[i] = oy[i] + at * m, pz[i] = oz[i] + at * dz[i];
     }
 }
@@ -144,13 +128,6 @@ SGT_INLINE void glance_begins(bool by_axis, rows w, size_t n, const sgt_shared *
     }
 GLANCE_BEGIN(glance_begin, false)
 GLANCE_BEGIN(glance_begin_by_axis, true)
-
-/* Is the second derivative known by axis? */
-static bool bends_by_axis(const sgt_shared *whole)
-{
-    const sgt_by_axis *a = &whole->axis;
-    return whole->by_axis && a->xx.hi < HUGE_VAL && a->yy.hi < HUGE_VAL && a->xy < HUGE_VAL;
-}
 
 /* What F at the point has shown; and the next point, if STATE is below KNOWN.  last: there is none but the
  * beginning of the chord. */
@@ -251,7 +228,7 @@ void sgt_glance_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *who
         double from = larger(v->lo[i], v->tmin[i]), to = v->hi[i] < v->tmax[i] ? v->hi[i] : v->tmax[i];
         if (v->asked[i] == 0 || !(from < to && fabs(from) < HUGE_VAL && to < HUGE_VAL)) continue;
         if (v->evals[i] + LOOKS + 1 >= 0.5 * v->budget) continue;
-        if (fabs(v->seed[i] - from) < 0x1p-5 * (to - from) &&
+        if (from == v->tmin[i] && fabs(v->seed[i] - from) < 0x1p-5 * (to - from) &&
             starts_low((sgt_vec3){ray[0][i], ray[1][i], ray[2][i]}, v->tmin[i]))
             continue; /* its root is the start, mostly: a march knows how to leave */
         size_t k = left++;

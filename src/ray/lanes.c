@@ -322,7 +322,21 @@ static double steadily_single(const lanes *a, const sgt_rays *r, size_t n)
     return count;
 }
 
-/* The same where the chord can be marched along: lanes without a seed begin in the middle of it. */
+/* Lanes with a bound on the slope that is not weak begin at their start, if that is next to the seed. */
+SGT_KERNEL
+static void seed_starts(lanes *a, const sgt_rays *r, size_t n)
+{
+    const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double least = a->least[i], steep = 0.25 * fabs(dz[i]) * scale_of((sgt_vec3){dx[i], dy[i], dz[i]});
+        mask starts =
+            starts_at_root((sgt_vec3){ox[i], oy[i], oz[i]}, a->tmin[i], a->seed[i], a->lo[i], a->hi[i]);
+        a->seed[i] = chosen(starts & MASK(least > 0) & MASK(least >= steep), 0, a->seed[i]);
+    }
+}
+
+/* As nearby_asked, where the chord can be marched along: lanes without a seed begin in the middle of it. */
 static double chords_asked(lanes *a, bool rimmed, const sgt_rays *r, size_t n, double *asked)
 {
     double some = 0;
@@ -348,7 +362,9 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
     bool chords = w->near == 0 && marches_chord(&w->shared);
     bool rimmed = chords && w->rim2 < HUGE_VAL;
     double all = (double)n, seedless = asks_ahead(&w->shared, w->near != 0) ? 1 : 0;
-    if (rimmed && (single_from_above(a, &rays, n) == all || steadily_single(a, &rays, n) == all)) return;
+    if (rimmed && single_from_above(a, &rays, n) == all) return;
+    if (rimmed) seed_starts(a, &rays, n);
+    if (rimmed && steadily_single(a, &rays, n) == all) return;
     if (chords && !rimmed && above_zero(n, a->least) == all) return;
     if ((chords ? chords_asked(a, rimmed, &rays, n, a->x) : nearby_asked(a, n, seedless, a->x)) == 0) return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);

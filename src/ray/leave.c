@@ -38,6 +38,7 @@
  *                                                     `encloses`, where it is offered, else by `rounding`
  *     hidden all the way, from a point on it          that of grad F . d at the start, if it is not nearly 0
  *     missed, and the surface knows it (`behind`)      that: of a conic the slope at the start
+ *     missed, and steeper than a sag within its rim    that of d_z: F rises, or falls, all along there
  *     undecided, or neither                           0
  *
  * MANY AT ONCE.  A batch looks at F behind all starts together, with one bound on its rounding for the circle
@@ -283,6 +284,22 @@ static bool sides_behind(sgt_surface s, size_t n, const sgt_rays *rays, double s
     return s.ops->own_ && s.ops->own_->behind && s.ops->own_->behind(s.self, n, rays, side);
 }
 
+/* Is there one bound on the slope of this sag, for rays that are steeper than that? */
+static bool knows_steep(sgt_surface s)
+{
+    return s.ops->own_ && is_catalogue(s.ops) && s.ops->own_->share && s.ops->own_->spans;
+}
+
+/* The sign of dF/dt all along within the rim, where the slope is at most `steep`; 0: not certain, or the
+ * start is not within the rim. */
+SGT_INLINE double steep_side(double steep, double rim2, sgt_vec3 o, sgt_vec3 d)
+{
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale;
+    mask is = MASK(fabs(n) * (1 - 0x1p-40) > steep * sqrt(l * l + m * m)) &
+              MASK(o.x * o.x + o.y * o.y <= rim2);
+    return chosen(is, copysign(1, n), 0);
+}
+
 /* The side as the hit alone tells it; else F is to be asked.  sharp: t_tol is 0. */
 static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray *ray, bool on, bool sharp,
                              const sgt_hit *hit, size_t i, asked *a)
@@ -294,6 +311,12 @@ static signed char side_told(sgt_surface s, const sgt_start *from, const sgt_ray
     double behind[1] = {0};
     const sgt_rays one = rays_of(ray);
     if (left && sides_behind(s, 1, &one, behind) && behind[0] != 0) return (signed char)behind[0];
+    if (left && knows_steep(s)) {
+        sgt_shared shared;
+        s.ops->own_->share(s.self, &shared);
+        const double steep = steep_side(shared.steep, shared.radius2, ray->o, ray->d);
+        if (steep != 0) return (signed char)steep;
+    }
     sgt_vec3 n = gradient_at(s, from, ray->o);
     signed char early = left && looks_early(s.ops) ? early_side(s, ray, n) : 0;
     if (early != 0) return early;
@@ -695,6 +718,13 @@ static void sides_by_look(size_t n, const looks *at, const double *const way[3],
 /* What a sag shares, once it has been asked for. */
 typedef struct leave_shared { bool known; sgt_shared of; } leave_shared;
 
+static const sgt_shared *leave_shares(sgt_surface s, leave_shared *shared)
+{
+    if (!shared->known) s.ops->own_->share(s.self, &shared->of), shared->of = bare_of(shared->of);
+    shared->known = true;
+    return &shared->of;
+}
+
 /* Bounds on the rounding of F at n points of a sag with a departure, by one bound on what the departure adds
  * within the radius that holds them all.  They are made twice as wide: so a single ray, which asks at its own
  * point, is not less certain.  false: not known. */
@@ -705,8 +735,7 @@ static bool leave_roundings(sgt_surface s, size_t n, double *const p[3], const d
     double r2 = 0, e[2];
     if (n < 8 || !with->roundings || !with->share || !with->noise_within) return false;
     for (size_t k = 0; k < n; k++) r2 = larger(r2, p[0][k] * p[0][k] + p[1][k] * p[1][k]);
-    if (!shared->known) with->share(s.self, &shared->of), shared->of = bare_of(shared->of);
-    shared->known = true;
+    leave_shares(s, shared);
     with->noise_within(s.self, sqrt(r2) * (1 + 0x1p-20), e);
     sgt_shared here = shared->of;
     here.noise[0] = e[0], here.noise[1] = e[1];
@@ -735,6 +764,45 @@ static void sides_of_misses(sgt_surface s, size_t n, const sgt_rays *rays, const
     for (size_t k = 0; k < n && !known; k++)
         own[k] = w.asks[k] > 0 ? s.ops->rounding(s.self, (sgt_vec3){p[0][k], p[1][k], p[2][k]}) : 0;
     sides_by_look(n, &w, rays->d, body ? 0 : 1, side);
+}
+
+/* Sides of starts that miss, by the bound on the slope.  Returns how many of these are still open. */
+SGT_KERNEL
+static double sides_if_steep(size_t n, const sgt_rays *rays, const double *state, const sgt_shared *shared,
+                             double *restrict side)
+{
+    const double *ox = rays->o[0], *oy = rays->o[1], *dx = rays->d[0], *dy = rays->d[1], *dz = rays->d[2],
+                 steep = shared->steep, rim2 = shared->radius2;
+    double open = 0;
+    _Pragma("omp simd reduction(+ : open)") for (size_t i = 0; i < n; i++)
+    {
+        double is = steep_side(steep, rim2, (sgt_vec3){ox[i], oy[i], 0}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        mask missed = MASK(state[i] == SGT_MISS);
+        side[i] = chosen(missed & MASK(is != 0), is, side[i]);
+        open += chosen(missed & MASK(is == 0), 1, 0);
+    }
+    return open;
+}
+
+/* Sides of n starts on a sag that miss: by its slope, and of the others, side by side, by a look. */
+SGT_NOINLINE
+static void sides_of_sag(sgt_surface s, size_t n, const sgt_rays *rays, const double *const grad[3],
+                         const double *state, double *side, leave_shared *shared)
+{
+    double row[10][ASKS], missed[ASKS] = {0}, told[ASKS];
+    const double *const of[10] = {rays->o[0], rays->o[1], rays->o[2], rays->d[0], rays->d[1],
+                                  rays->d[2], rays->tmax, grad[0],    grad[1],    grad[2]};
+    unsigned char number[ASKS];
+    size_t open = 0;
+    if (sides_if_steep(n, rays, state, leave_shares(s, shared), side) == 0) return;
+    for (size_t i = 0; i < n; i++)
+        if (state[i] == SGT_MISS && side[i] == OPEN) number[open++] = (unsigned char)i;
+    for (int k = 0; k < 10; k++)
+        for (size_t j = 0; j < open; j++) row[k][j] = of[k][number[j]];
+    for (size_t j = 0; j < open; j++) missed[j] = SGT_MISS, told[j] = OPEN;
+    const sgt_rays some = {.o = {row[0], row[1], row[2]}, .d = {row[3], row[4], row[5]}, .tmax = row[6]};
+    sides_of_misses(s, open, &some, (const double *const[3]){row[7], row[8], row[9]}, missed, told, shared);
+    for (size_t j = 0; j < open; j++) side[number[j]] = told[j];
 }
 
 /* Are there enough of these to be looked at together? */
@@ -835,7 +903,7 @@ static size_t leave_tile(sgt_surface s, size_t n, const sgt_starts *from, size_t
             } else if (side && from->n[0] && looked_at(s, few, state, w.on + i)) {
                 const double *const first[3] = {from->n[0] + at + i, from->n[1] + at + i,
                                                 from->n[2] + at + i};
-                sides_of_misses(s, few, &part, first, state, told, &shared);
+                (knows_steep(s) ? sides_of_sag : sides_of_misses)(s, few, &part, first, state, told, &shared);
             }
         }
         for (size_t j = 0; j < few; j++) {

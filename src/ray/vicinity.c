@@ -2,6 +2,7 @@
 /* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "general.h"
 #include "glance.h"
+#include "takeoff.h"
 #include "wings.h"
 
 enum { SHRINKS = 12, LEAST_BUDGET = 8 };
@@ -535,12 +536,16 @@ static void march_box(sgt_surface s, size_t n, sgt_rays r, const double *from, c
     sgt_march_box(s, n, r, from, &bare, kept, v);
 }
 
-/* Most rays are answered by looks beside the root; the others are marched along. */
+/* Most rays are answered by looks at the start or beside the root; the others are marched along. */
 static void along_chord_bent(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole, const vicinity *v)
 {
+    const unsigned long long begun = sgt_take_off(s, n, r, whole, v);
+    if (asked_all(n, v->asked) == 0 || (v->told && v->told->stopped)) return;
     sgt_glance_chord(s, n, r, whole, v);
     if (asked_all(n, v->asked) == 0 || (v->told && v->told->stopped)) return;
     sgt_march_chord(s, n, r, whole, v);
+    for (size_t i = 0; i < n; i++)
+        if ((begun >> i & 1) && v->asked[i] != 0) v->lo[i] = v->tmin[i];
 }
 
 /* Where the surface may be bent either way, as far as the sum of its terms' bounds tells, these looks tell

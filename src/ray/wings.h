@@ -91,6 +91,14 @@ SGT_INLINE bool starts_weakly(sgt_vec3 o, sgt_vec3 d, double tmin, double least)
     return starts_low(o, tmin) && least > 0 && least < 0.25 * fabs(d.z) * scale_of(d);
 }
 
+/* Is the start a better seed than this one, for a ray with one root at most?  It is that root, mostly, if the
+ * ray starts low, and the seed is next to it. */
+SGT_INLINE mask starts_at_root(sgt_vec3 o, double tmin, double seed, double lo, double hi)
+{
+    return MASK(tmin == 0) & MASK(fabs(o.z) <= 0.5 * (fabs(o.x) + fabs(o.y))) & /* as starts_low */
+           MASK(fabs(seed) < 0x1p-5 * (hi - lo));
+}
+
 /* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A
  * ray without a root in it is a miss. */
 void sgt_march_chord(sgt_surface s, size_t n, sgt_rays rays, const sgt_shared *whole, const vicinity *v);

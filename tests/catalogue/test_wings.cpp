@@ -17,9 +17,11 @@
 // Batches and single rays are the same to the last bit.
 //
 // LEAVING.  Rays from hits, of types with a rim and without, in directions of the whole sphere and along the
-// surface, a tenth of them from next to the axis: by sgt_leave, one by one and in batches.  The judge is the
-// same, from a millionth of the size on.  What is undecided are rays of a few specimens that have spent their
-// evaluations far out: less than one in five of a type (observed), or all of two specimens.
+// surface, a tenth of them from next to the axis, and to another point of it, far or near: by sgt_leave, one
+// by one and in batches.  The judge is the same, from a millionth of the size on; no root between the two
+// points of a pair and a little behind them is passed over; and F has the sign of the side.  What is
+// undecided are rays of a few specimens that have spent their evaluations far out: less than one in five of a
+// type (observed), or all of two specimens.
 //
 // GRAZING.  Mirrors of beamlines (toroids, biconics, cylinders with one curvature a hundred times the other),
 // bowls of other types and conics, with a rim and without.  Rays run at 0.1 to 45 degrees to the surface,
@@ -350,15 +352,35 @@ void pairs(generator &g, const char *type, int surfaces)
                 undecided);
 }
 
+// Does a ray that has left the surface meet it about `again`, and the answer says that it does not?  F has
+// one sign in the middle of the way, and the other a little behind.
+bool passes_again(const formula<quad> &exact, const sgt_ray &ray, double again, double inside,
+                  const sgt_hit &h)
+{
+    if (!(again > 0) || h.status < 0) return false;
+    const int there = sign(along(exact, ray, quad(again) / 2));
+    for (int k = 1; k <= 3 && there; k++) {
+        const quad t = quad(again) * (1 + quad(0.03) * k * k), x = quad(ray.o.x) + t * quad(ray.d.x),
+                   y = quad(ray.o.y) + t * quad(ray.d.y), rim = inside;
+        if ((inside > 0 && !(x * x + y * y < rim * rim)) || !(static_cast<double>(t) < ray.tmax))
+            return false;
+        if (sign(along(exact, ray, t)) == -there)
+            return h.status == SGT_MISS || quad(h.t) - quad(h.t_err) > t;
+    }
+    return false;
+}
+
 void leaving(generator &g, const char *type, int surfaces)
 {
     constexpr int RAYS = 40;
-    long rays = 0, misses = 0, undecided = 0, evals = 0;
+    long rays = 0, misses = 0, undecided = 0, evals = 0, parted = 0;
     for (int n = 0; n < surfaces; n++) {
         const specimen s = random_specimen(g, type);
         const formula<quad> exact(s.s);
         const double begin = 1e-6 * s.h, inside = s.rim > 0 ? s.rim * (1 - 1e-9) : 0;
+        const formula<double> rough(s.s);
         std::vector<sgt_start> all;
+        std::vector<double> again; // where a ray to another point of the surface meets that; 0: another ray
         for (int i = 0; i < RAYS; i++) {
             const double r = s.h * std::sqrt(g.uniform(0, 0.9)) * (g.chance(0.1) ? 1e-2 : 1),
                          about = g.uniform(0, 6.28), z = g.uniform(-1, 1), to = g.uniform(0, 6.28);
@@ -368,11 +390,19 @@ void leaving(generator &g, const char *type, int surfaces)
             if (at.status != SGT_HIT) continue;
             double rise = z;
             if (g.chance(0.3)) rise = -(at.n.x * std::cos(to) + at.n.y * std::sin(to)) + g.uniform(-0.1, 0.1);
-            const double across = rise != z ? 1 : std::sqrt(1 - z * z);
+            const double across = rise != z ? 1 : std::sqrt(1 - z * z),
+                         apart = s.h * g.log_uniform(1e-4, 1), x = at.p.x + apart * std::cos(to),
+                         y = at.p.y + apart * std::sin(to), other = -rough(x, y, 0.0);
+            bool pair = g.chance(0.3) && other == other;
+            const sgt_ray aimed = {at.p, {std::cos(to), std::sin(to), (other - at.p.z) / apart}, 0, INFINITY};
+            const quad middle = pair ? along(exact, aimed, quad(apart) / 2) : quad(0);
+            pair = pair && (middle < 0 ? -middle : middle) > quad(1e-12 * s.h); // a plane: all is the start
+            if (pair) rise = aimed.d.z;
+            again.push_back(pair ? apart : 0);
             all.push_back({at.p,
                            at.n,
                            at.p_err,
-                           {across * std::cos(to), across * std::sin(to), rise},
+                           {(pair ? 1 : across) * std::cos(to), (pair ? 1 : across) * std::sin(to), rise},
                            g.chance(0.2) ? s.h * g.log_uniform(0.01, 10) : 0.0,
                            {}});
         }
@@ -407,7 +437,13 @@ void leaving(generator &g, const char *type, int surfaces)
             if (h.status == SGT_MISS &&
                 (inside > 0 ? changes_within(exact, ray, inside, begin, reach) : changes(exact, ray, s.h)))
                 fail("a miss that meets", s, ray, h);
+            if (passes_again(exact, ray, again[i], inside, h))
+                fail("a second root is passed over", s, ray, h);
+            parted += again[i] > 0 && h.status == SGT_HIT;
             const bool within = !(inside > 0 && std::hypot(ray.o.x, ray.o.y) > inside) && end > begin;
+            if (within && c.side != 0 && (h.status == SGT_MISS || h.t - h.t_err > begin) &&
+                sign(along(exact, ray, quad(begin))) == -c.side)
+                fail("the other side", s, ray, h);
             if (h.status == SGT_MISS && within && beyond_start(exact, s, ray, begin))
                 fail("a miss that meets next to the start", s, ray, h);
             if (h.status != SGT_HIT || !(h.t > begin)) continue;
@@ -420,8 +456,10 @@ void leaving(generator &g, const char *type, int surfaces)
                 fail("another root is nearer", s, ray, h);
         }
     }
-    std::printf("%-14s %6ld starts, %6ld misses, %4ld undecided, %.1f evaluations\n", type, rays, misses,
-                undecided, static_cast<double>(evals) / static_cast<double>(rays));
+    std::printf("%-14s %6ld starts, %6ld misses, %4ld undecided, %.1f evaluations; %ld meet what they aim "
+                "at\n",
+                type, rays, misses, undecided, static_cast<double>(evals) / static_cast<double>(rays),
+                parted);
     if (undecided * 4 > rays + 8 * RAYS) failed[std::string(type) + ": too many starts are undecided"]++;
 }
 
