@@ -23,6 +23,7 @@
 
 #include "../../num/lanes.h"
 #include "../sag/poly.h"
+#include "profile.h"
 
 #include <sagitta/interval.h>
 
@@ -150,6 +151,9 @@ typedef struct departure {
      * are at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is
      * not. */
     void (*along_noise)(const void *self, const double x[], const double y[], double out[]);
+
+    /* P as a function of r (ray/profile.c).  `tail` is offered.  false: too many terms; NULL: it is none. */
+    bool (*profile)(const void *self, sgt_profile *out);
 
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);

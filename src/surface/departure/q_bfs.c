@@ -140,6 +140,27 @@ static double bfs_tail(const void *self, double radius)
     return -radial_tail(size, 0, terms, b, b_err, true);
 }
 
+/* p_m = sin M t / sin t = M - M (M^2 - 1) v / 3! + M (M^2 - 1) (M^2 - 9) v^2 / 5! - ... */
+static bool bfs_profile(const void *self, sgt_profile *out)
+{
+    const sgt_q_bfs *s = self;
+    double b[Q_TERMS], b_err[Q_TERMS];
+    const size_t terms = q_terms(s->a);
+    if (terms == 0 || terms + 2 > PROFILE_TERMS) return false;
+    basis(s->a, b, b_err);
+    *out = (sgt_profile){
+        .terms = terms + 2, .norm2 = s->norm * s->norm, .bent = s->c * s->c, .from = s->norm};
+    for (size_t m = 0; m < terms; m++) {
+        double M = 2 * (double)m + 1, term = M, most = fabs(b[m]) + 0x1p46 * b_err[m];
+        for (size_t j = 0; j <= m; j++) {
+            double odd = 2 * (double)j + 1, by = b[m] * term, size = most * fabs(term);
+            out->c[j + 1] += by, out->size[j + 1] += size, out->c[j + 2] -= by, out->size[j + 2] += size;
+            term *= (odd - M) * (odd + M) / ((odd + 1) * (odd + 2));
+        }
+    }
+    return true;
+}
+
 /* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
 static q_weight bfs_weigh(size_t m, double v)
 {
@@ -377,7 +398,8 @@ static sgt_objection bfs_object(const void *self)
 static const departure q_bfs_departure = {
     .at = bfs_at, .rounding = bfs_rounding, .bounds = bfs_bounds_over, .range = bfs_range,
     .second = sgt_q_bfs_second, .parameters = bfs_parameters, .by_parameter = sgt_q_bfs_by_parameter,
-    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail};
+    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail,
+    .profile = bfs_profile};
 
 static departure_sag on_sphere(const sgt_q_bfs *s)
 {

@@ -91,6 +91,26 @@ static double con_tail(const void *self, double radius)
     return radial_tail(size, 0, terms, s->a.x, NULL, false);
 }
 
+/* Q_m = (-1)^m B4 2F1(-m, m + 5; 5; v), as P_m^(0,4)(x) = (-1)^m P_m^(4,0)(-x) (Szego 1975, 4.1.3 and
+ * 4.21.2). */
+static bool con_profile(const void *self, sgt_profile *out)
+{
+    const sgt_q_con *s = self;
+    const size_t terms = q_terms(s->a);
+    if (terms == 0 || terms + 2 > PROFILE_TERMS) return false;
+    *out = (sgt_profile){.terms = terms + 2, .norm2 = s->norm * s->norm, .from = s->norm};
+    for (size_t m = 0; m < terms; m++) {
+        double k = (double)m, a = s->a.x[m], b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24,
+               term = m % 2 ? -a * b4 : a * b4;
+        for (size_t j = 0; j <= m; j++) {
+            double i = (double)j;
+            out->c[j + 2] += term, out->size[j + 2] += fabs(term);
+            term *= -(k - i) * (k + 5 + i) / ((5 + i) * (1 + i));
+        }
+    }
+    return true;
+}
+
 static int con_bounds_over(const void *self, region *where, bounds *out)
 {
     *out = con_all_bounds(self, where->r_hi);
@@ -226,6 +246,6 @@ static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = sgt_q_con_second,
     .parameters = con_parameters, .by_parameter = sgt_q_con_by_parameter, .object = con_object,
     .noise = con_noise,
-    .tail = con_tail, .bent = q_con_bent};
+    .tail = con_tail, .bent = q_con_bent, .profile = con_profile};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)
