@@ -684,7 +684,8 @@ static void noises_of_marched(sgt_surface s, size_t n, const sgt_rays *r, bool p
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
         /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
          * two looks, and is asked for where t would be known to less than 2^-40 of it. */
-        const double enough = 0x1p-40 * v->least[i] * fabs(v->seed[i]);
+        const sgt_vec3 d = {r->d[0][i], r->d[1][i], r->d[2][i]};
+        const double enough = 0x1p-40 * v->least[i] * fabs(v->seed[i]) * inverse_of_scale(d);
         if (profiled && v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_at(s, off, i, v);
         if (v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_about(s, HUGE_VAL, i, kept, v);
     }
