@@ -261,15 +261,19 @@ static void ranges_of_sag(const sgt_profile_table *e, const ring_ends *at, const
     }
 }
 
+/* Behind the last node, where the last block of rings ends. */
+SGT_INLINE size_t end_of(const sgt_profile_table *e) { return (e->nodes + BLOCK - 1) / BLOCK * BLOCK; }
+
 static bool tell_rings(sgt_profile_table *e)
 {
     const bool square = e->of.norm2 > 0;
+    const size_t end = end_of(e);
     double all = 0;
-    for (size_t j = 0; j < PROFILE_NODES; j += BLOCK) {
+    for (size_t j = 0; j < end; j += BLOCK) {
         ring_ends at;
         ring_ranges of;
         for (size_t i = 0; i < BLOCK; i++) {
-            size_t k = j + i, next = k + 1 < PROFILE_NODES ? k + 1 : k;
+            size_t k = j + i, next = k + 1 < end ? k + 1 : k;
             double q0 = e->q[k], q1 = e->q[next], more = 0x1p-10 * (q1 - q0);
             if (e->core && k == 0) q0 = q1; /* its own ranges are not read */
             at.q0[i] = larger(q0 - more, 0), at.q1[i] = q1 + more;
@@ -278,7 +282,7 @@ static bool tell_rings(sgt_profile_table *e)
         else ranges_by_radius(&e->of, &at, &of);
         ranges_of_sag(e, &at, &of, e->slope_lo + j, e->slope_hi + j, e->bend_lo + j, e->bend_hi + j);
     }
-    for (size_t j = 0; j < PROFILE_NODES; j++)
+    for (size_t j = 0; j < end; j++)
         all += fabs(e->slope_lo[j]) + fabs(e->slope_hi[j]) + fabs(e->bend_lo[j]) + fabs(e->bend_hi[j]) +
                fabs(e->sag[j]) + fabs(e->off[j]);
     return all < HUGE_VAL;
@@ -316,12 +320,13 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
     if (e->core && !(last > e->of.core)) return false;
     double step = 1.2 / degree;
     while (lay_nodes(e, last, step) > PROFILE_NODES) step *= 1.25;
-    for (size_t j = e->nodes; j < PROFILE_NODES; j++) e->q[j] = e->q[e->nodes - 1];
+    const size_t end = end_of(e);
+    for (size_t j = e->nodes; j < end; j++) e->q[j] = e->q[e->nodes - 1];
     for (size_t j = 0; j < e->nodes; j++) {
         sag_at at = sag_of(e, e->q[j], OFF_NODE);
         e->sag[j] = at.s, e->off[j] = at.off;
     }
-    for (size_t j = e->nodes; j < PROFILE_NODES; j++)
+    for (size_t j = e->nodes; j < end; j++)
         e->sag[j] = e->sag[e->nodes - 1], e->off[j] = e->off[e->nodes - 1];
     if (e->core) {
         sgt_extent within = SGT_NO_EXTENT;
@@ -334,12 +339,18 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
 
 /* ----------------------------------------------------------------------------------- the ray */
 
-/* A ray about its point nearest the axis: w counts its scaled t from there, t = (t0 + w) scale; q0 = r^2
- * there. */
+/* Some rays about their points nearest the axis: w counts the scaled t from there, t = (t0 + w) scale; q0 =
+ * r^2 there.  They begin and end at these w; the table ends at +-reach.  sag, off: where the ray begins. */
+typedef struct courses {
+    block_row o[3], d[3], t, tmax; /* given */
+    block_row q0, a, z, g, t0, scale, lost, from, to, reach, sag, off;
+    block_row fine; /* 1: all this is known well enough */
+} courses;
+
 typedef struct course {
     double q0, a, z, g, t0, scale, lost;
-    size_t first;                 /* the ring that holds q0 */
-    double w[PROFILE_NODES + BLOCK]; /* at the nodes */
+    size_t first, begins;         /* the rings that hold q0, and the start */
+    double w[PROFILE_NODES + 1]; /* at the nodes */
 } course;
 
 /* Where F has been asked: at least |F|, 0 if its sign is not certain, and its sign. */
@@ -365,14 +376,21 @@ static seen node(const sgt_profile_table *table, const course *e, size_t j, doub
     return seen_of(e, side * e->w[j], table->sag[j], table->off[j]);
 }
 
-/* w at the nodes from the block of this one on.  What is behind the last is read, to no end. */
+/* w at the nodes, and the rings; begins: q at the start.  What is behind the last node is read, to no end. */
 SGT_KERNEL
-static void pass_nodes(const sgt_profile_table *table, course *e, size_t from)
+static void pass_nodes(const sgt_profile_table *table, course *e, double begins)
 {
     const double q0 = e->q0, by = 1 / e->a;
-    LANES for (size_t j = from / BLOCK * BLOCK; j < PROFILE_NODES; j++)
-        e->w[j] = sqrt(larger(table->q[j] - q0, 0) * by);
-    e->w[PROFILE_NODES] = 0;
+    const size_t end = end_of(table);
+    double first = 0, before = 0;
+#pragma omp simd reduction(+ : first, before)
+    for (size_t j = 0; j < end; j++) {
+        double q = table->q[j];
+        e->w[j] = sqrt(larger(q - q0, 0) * by);
+        first += q <= q0 ? 1.0 : 0.0, before += q <= begins ? 1.0 : 0.0;
+    }
+    e->w[end] = 0;
+    e->first = (size_t)first - 1, e->begins = (size_t)larger(before, first) - 1;
 }
 
 /* Is the piece of one sign clear?  a, b: at least |F| at its ends. */
@@ -407,33 +425,68 @@ static double pass_rings(const sgt_profile_table *table, const course *e, size_t
     return left;
 }
 
-/* The ray about its nearest point.  false: it is not known well enough. */
-static bool lay_course(const sgt_ray *ray, const sgt_profile_table *table, course *e)
+/* The rays about their nearest points, and F where they begin. */
+SGT_KERNEL
+static void lay_courses(const sgt_profile_table *table, size_t n, courses *e)
 {
-    double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale,
-           a = l * l + m * m;
-    if (!(a > 0x1p-60)) return false;
-    double t0 = -(ray->o.x * l + ray->o.y * m) / a;
-    double x = moved_along(ray->o.x, t0, l), y = moved_along(ray->o.y, t0, m);
-    t0 -= (x * l + y * m) / a;
-    x = moved_along(ray->o.x, t0, l), y = moved_along(ray->o.y, t0, m);
-    double z = moved_along(ray->o.z, t0, n), left = (x * l + y * m) / a;
-    /* From afar an ulp of t0 is long.  What is left to the nearest point is less than what is lost of t. */
-    x -= left * l, y -= left * m, z -= left * n;
-    double across2 = table->q[1], last = table->q[table->nodes - 1], q0 = x * x + y * y, reach = sqrt(last / a);
-    e->q0 = q0, e->a = a, e->z = z, e->g = n, e->t0 = t0, e->scale = scale;
-    e->lost = 0x1p-45 * (fabs(t0) + reach);
-    bool fine = q0 < last * (1 - 0x1p-20) && fabs(z) < 0x1p500 && left * left * a <= 0x1p-10 * across2 &&
-                fabs(left) <= e->lost && fabs(x * l + y * m) <= 0x1p-50 * (sqrt(q0 * a) + sqrt(across2 * a));
-    return fine;
+    const double across2 = table->q[1], last = table->q[table->nodes - 1];
+    LANES for (size_t i = 0; i < n; i++) {
+        double ox = e->o[0][i], oy = e->o[1][i], oz = e->o[2][i];
+        const sgt_vec3 d = {e->d[0][i], e->d[1][i], e->d[2][i]};
+        double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale,
+               g = d.z * scale, a = l * l + m * m, by = 1 / a, t0 = -(ox * l + oy * m) * by;
+        double x = moved_along(ox, t0, l), y = moved_along(oy, t0, m);
+        t0 -= (x * l + y * m) * by;
+        x = moved_along(ox, t0, l), y = moved_along(oy, t0, m);
+        double z = moved_along(oz, t0, g), left = (x * l + y * m) * by;
+        /* From afar an ulp of t0 is long.  What is left to the nearest point is less than what is lost of t. */
+        x -= left * l, y -= left * m, z -= left * g;
+        double q0 = x * x + y * y, reach = sqrt(larger(last - q0, 0) * by), aside = x * l + y * m,
+               lost = 0x1p-45 * (fabs(t0) + sqrt(last * by)), t = e->t[i] * inverse,
+               end = e->tmax[i] * inverse, from = t - t0 - (lost + 0x1p-45 * fabs(t)),
+               to = end - t0 + (lost + 0x1p-45 * fabs(end));
+        mask begins = MASK(fabs(t) < HUGE_VAL), ends = MASK(fabs(end) < HUGE_VAL);
+        from = chosen(begins, from, -HUGE_VAL), to = chosen(ends, to, HUGE_VAL);
+        mask fine = MASK(a > 0x1p-60) & MASK(q0 < last * (1 - 0x1p-20)) & MASK(fabs(z) < 0x1p500) &
+                    MASK(left * left * a <= 0x1p-10 * across2) & MASK(fabs(left) <= lost) &
+                    MASK(aside * aside <= 0x1p-100 * a * larger(q0, across2)) & MASK(from < to) &
+                    MASK(from < reach * (1 - 0x1p-20));
+        e->q0[i] = q0, e->a[i] = a, e->z[i] = z, e->g[i] = g, e->t0[i] = t0, e->scale[i] = scale,
+        e->lost[i] = lost, e->from[i] = from, e->to[i] = to, e->reach[i] = reach,
+        e->fine[i] = chosen(fine, 1, 0);
+    }
+}
+
+/* The sag where they begin, and how far it may be off, as in `ask`. */
+SGT_KERNEL
+static void ask_starts(const sgt_profile_table *table, size_t n, courses *e)
+{
+    const sgt_profile *of = &table->of;
+    const bool square = of->norm2 > 0, bent = of->bent > 0;
+    const double by = square ? 1 / of->norm2 : 0, c = table->c, k1 = table->k1;
+    block_row q, x, p, most;
+    LANES for (size_t i = 0; i < n; i++) {
+        double w = e->from[i], at = e->q0[i] + e->a[i] * (w * w);
+        q[i] = at, x[i] = square ? at * by : sqrt(at), p[i] = most[i] = 0;
+    }
+    for (size_t k = of->terms; k-- > 0;) {
+        const double a = of->c[k], size = of->size[k];
+        LANES for (size_t i = 0; i < n; i++) p[i] = sgt_fma(p[i], x[i], a), most[i] = sgt_fma(most[i], x[i], size);
+    }
+    LANES for (size_t i = 0; i < n; i++) {
+        double cq = c * q[i], phi2 = 1 - k1 * c * cq, f = bent ? 1 / sqrt(1 - of->bent * q[i]) : 1,
+               off = 2 * OFF * (most[i] * f + fabs(cq));
+        e->sag[i] = cq / (1 + sqrt(phi2)) + p[i] * f;
+        e->off[i] = chosen(MASK(q[i] < table->q[1]), larger(off, table->off[1]), off);
+    }
 }
 
 /* ----------------------------------------------------------------------------------- pieces */
 
 typedef enum piece_says { PIECE_STUCK, PIECE_CLEAR, PIECE_ROOT } piece_says;
 
-/* A root between two points: F' is at least this. */
-typedef struct found { double from, to, least; size_t ring; } found;
+/* A root between two points, where a line has it, and at least |F'|. */
+typedef struct found { double from, to, guess, least; size_t ring; } found;
 
 /* What F' and F'' lie in, from w to w in this ring. */
 static void derivatives(const sgt_profile_table *table, const course *e, size_t j, double from, double to,
@@ -471,7 +524,7 @@ static piece_says judge(const sgt_profile_table *table, const course *e, size_t 
     double bend = larger(second.hi, -second.lo),
            least = larger(by_range, (a->least + b->least) / length - 0.51 * bend * length);
     if (!(least > 0)) return PIECE_STUCK;
-    *root = (found){a->w, b->w, least, j};
+    *root = (found){a->w, b->w, a->w + length * (a->least / (a->least + b->least)), least, j};
     return PIECE_ROOT;
 }
 
@@ -504,8 +557,8 @@ static double root_in(const sgt_profile_table *table, const course *e, const fou
     const double qa = table->q[j], qb = table->q[j + 1], sa = table->sag[j],
                  slope = (table->sag[j + 1] - sa) / (qb - qa),
                  bend = table->core && j == 0 ? 0 : 0.25 * (table->bend_lo[j] + table->bend_hi[j]);
-    double w = 0.5 * (f->from + f->to), a = f->from, b = f->to;
-    for (int i = 0; i < 5; i++) {
+    double w = f->guess, a = f->from, b = f->to;
+    for (int i = 0; i < 3; i++) {
         double q = e->q0 + e->a * (w * w), s = sa + (q - qa) * (slope - bend * (qb - q)),
                ds = slope - bend * (qa + qb - 2 * q), g = e->z + e->g * w - s, dg = e->g - 2 * e->a * w * ds,
                next = w - g / dg;
@@ -521,7 +574,7 @@ static double root_in(const sgt_profile_table *table, const course *e, const fou
 /* The way of a ray: from where, and to where; up to where it is clear. */
 typedef struct way {
     double from, to, clear;
-    seen start; /* where it begins, if not outside of the table */
+    seen start; /* where it begins, or at the last node */
     bool outside, root;
     found at;
     int looks;
@@ -535,18 +588,6 @@ static bool pass_piece(const sgt_profile_table *table, const course *e, size_t j
     piece_says says = look_at(table, e, j, a, b, &w->looks, &w->at, &w->clear);
     w->root = says == PIECE_ROOT;
     return says == PIECE_CLEAR;
-}
-
-/* The ring that holds q. */
-static size_t ring_of(const sgt_profile_table *table, double q)
-{
-    size_t low = 0, high = table->nodes - 1;
-    while (high - low > 1) {
-        size_t middle = (low + high) / 2;
-        if (table->q[middle] <= q) low = middle;
-        else high = middle;
-    }
-    return low;
 }
 
 /* The rings from `low` on and below `high`, on the way in or out. */
@@ -574,10 +615,9 @@ static bool follow(const sgt_profile_table *table, const course *e, way *w)
 {
     const size_t last = table->nodes - 1, first = e->first;
     const double nearest = e->w[first + 1];
-    seen start = w->outside ? node(table, e, last, -1) : w->start;
-    size_t at = w->outside ? last : ring_of(table, e->q0 + e->a * (w->from * w->from)), low = first + 1;
+    seen start = w->start;
+    size_t at = w->outside ? last : e->begins, low = first + 1;
     const double sign = start.sign;
-    if (at < first) at = first;
     if (w->from < -nearest) {
         if (!w->outside && !pass_piece(table, e, at, start, node(table, e, at, -1), w)) return false;
         if (first + 1 < at && !pass_side(table, e, first + 1, at, -1, sign, w)) return false;
@@ -622,45 +662,38 @@ static bool beyond(sgt_surface s, const sgt_ray *ray, const course *c, double si
     return sgt_clear_beyond(s, &e, edge, side, &kept->tails);
 }
 
-/* One ray, from t on. */
-static along_says look_along_profile(sgt_surface s, const sgt_profile_table *table, const sgt_ray *ray,
-                                     double *t, vicinities *kept, const vicinity *v, size_t i)
+/* Ray j of these, which is row i of v. */
+static along_says look_along_profile(sgt_surface s, const courses *of, size_t j, double *t, vicinities *kept,
+                                     const vicinity *v, size_t i)
 {
-    course e;
-    if (!lay_course(ray, table, &e)) return ALONG_SILENT;
-    const double inverse = inverse_of_scale(ray->d), from = *t * inverse;
+    const sgt_profile_table *table = &kept->table;
+    const sgt_ray ray = {{of->o[0][j], of->o[1][j], of->o[2][j]}, {of->d[0][j], of->d[1][j], of->d[2][j]}, 0, 0};
+    const double reach = of->reach[j], from = of->from[j];
     const size_t last = table->nodes - 1;
-    way w = {.from = -HUGE_VAL, .to = HUGE_VAL, .looks = PROFILE_LOOKS};
-    if (from > -HUGE_VAL) w.from = from - e.t0 - e.lost - 0x1p-45 * fabs(from);
-    if (ray->tmax < HUGE_VAL) {
-        double to = ray->tmax * inverse;
-        w.to = to - e.t0 + e.lost + 0x1p-45 * fabs(to);
-    }
-    if (!(w.from < w.to)) return ALONG_SILENT;
-    double reach2 = table->q[last] - e.q0, end = sqrt(reach2 / e.a);
-    if (w.from >= end * (1 - 0x1p-20)) return ALONG_SILENT;
-    e.first = ring_of(table, e.q0);
-    pass_nodes(table, &e, e.first);
-    w.outside = w.from <= -end * (1 - 0x1p-20);
-    if (w.outside && !(w.from <= -end * (1 + 0x1p-20) && beyond(s, ray, &e, -1, kept)))
-        return ALONG_SILENT;
-    w.clear = w.outside ? -HUGE_VAL : w.from;
-    if (!w.outside) {
-        w.start = ask(table, &e, w.from);
+    course e = {.q0 = of->q0[j], .a = of->a[j], .z = of->z[j], .g = of->g[j], .t0 = of->t0[j],
+                .scale = of->scale[j], .lost = of->lost[j]};
+    way w = {.from = from, .to = of->to[j], .looks = PROFILE_LOOKS};
+    if (of->fine[j] == 0) return ALONG_SILENT;
+    w.outside = from <= -reach * (1 - 0x1p-20);
+    pass_nodes(table, &e, w.outside ? 0 : e.q0 + e.a * (from * from));
+    if (w.outside) {
+        if (!(from <= -reach * (1 + 0x1p-20) && beyond(s, &ray, &e, -1, kept))) return ALONG_SILENT;
+        w.start = node(table, &e, last, -1);
+    } else {
+        w.start = seen_of(&e, from, of->sag[j], of->off[j]);
         if (!(w.start.least > 0)) return ALONG_SILENT;
     }
+    w.clear = w.outside ? -HUGE_VAL : from;
     v->evals[i] += 1;
     const bool through = follow(table, &e, &w);
     double seen_to = (e.t0 + w.clear - e.lost - 0x1p-45 * fabs(w.clear)) * e.scale;
-    if (v->told) {
-        double sign = w.outside ? node(table, &e, last, -1).sign : w.start.sign;
+    if (v->told)
         tell_cell(v->told, SGT_MARCH, *t, larger(*t, seen_to),
-                  sgt_interval_between(sign > 0 ? 0 : -HUGE_VAL, sign > 0 ? HUGE_VAL : 0),
+                  sgt_interval_between(w.start.sign > 0 ? 0 : -HUGE_VAL, w.start.sign > 0 ? HUGE_VAL : 0),
                   sgt_interval_between(-HUGE_VAL, HUGE_VAL));
-    }
+    if (w.clear >= w.to) return ALONG_MISS;
     if (w.root && tell_found(&e, &w, root_in(table, &e, &w.at), v, i)) return ALONG_ROOT;
-    if (!w.root && w.clear >= w.to) return ALONG_MISS;
-    if (through && beyond(s, ray, &e, 1, kept)) return ALONG_MISS;
+    if (through && beyond(s, &ray, &e, 1, kept)) return ALONG_MISS;
     if (!(seen_to > *t)) return ALONG_SILENT;
     *t = seen_to;
     return ALONG_CLEAR;
@@ -670,16 +703,20 @@ bool sgt_look_by_profile(sgt_surface s, const sgt_rays *r, size_t count, const s
                          along_says said[], vicinities *kept, const vicinity *v)
 {
     const struct sgt_builtin_ops *builtin = s.ops->own_;
+    courses of;
     if (!builtin->departure || !builtin->departure->profile || !builtin->base) return false;
     if (!kept->any_table) kept->has_table = make_table(s, &kept->table);
     kept->any_table = true;
-    for (size_t j = 0; j < count && kept->has_table; j++) {
+    if (!kept->has_table) return true;
+    for (size_t j = 0; j < count; j++) {
         size_t i = row[j];
-        const sgt_ray ray = {{r->o[0][i], r->o[1][i], r->o[2][i]},
-                             {r->d[0][i], r->d[1][i], r->d[2][i]},
-                             v->tmin[i],
-                             v->tmax[i]};
-        said[j] = look_along_profile(s, &kept->table, &ray, &t[j], kept, v, i);
+        for (int c = 0; c < 3; c++) of.o[c][j] = r->o[c][i], of.d[c][j] = r->d[c][i];
+        of.t[j] = t[j], of.tmax[j] = v->tmax[i];
+    }
+    lay_courses(&kept->table, count, &of);
+    ask_starts(&kept->table, count, &of);
+    for (size_t j = 0; j < count; j++) {
+        said[j] = look_along_profile(s, &of, j, &t[j], kept, v, row[j]);
         if (v->told && v->told->stopped) break;
     }
     return true;
