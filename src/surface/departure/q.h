@@ -117,6 +117,9 @@ SGT_INLINE double q_power(double w, size_t n)
     return p;
 }
 
+/* T_n(u), u > 1, from the power n of q_growth: what such a polynomial is at most. */
+SGT_INLINE double q_most(double power) { return 0.5 * (power + 1 / power); }
+
 /* What underflows in a bound of one term.  It is negligible by itself, but the coefficient may be large. */
 #define Q_LOST 0x1p-1040
 

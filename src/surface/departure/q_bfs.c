@@ -313,7 +313,7 @@ static void bfs_noise(const void *self, double radius, double e[2])
     double b[Q_TERMS], b_err[Q_TERMS], grown = q_growth(radius / s->norm), sum = 0, size = 0,
                                        cr2 = s->c * radius * (s->c * radius), w = 1 - cr2 * (1 + 0x1p-40);
     for (size_t m = 0, terms = basis(s->a, b, b_err); m < terms; m++) {
-        double k = (double)m + 1, power = q_power(grown, 2 * m + 4);
+        double k = (double)m + 1, power = q_most(q_power(grown, 2 * m + 4));
         sum += ((1.31 * k * k + 12) * k * SGT_U * fabs(b[m]) + (2 * k - 1) * b_err[m]) * power;
         size += (2 * k - 1) * fabs(b[m]) * power;
     }

@@ -172,7 +172,7 @@ static void con_noise(const void *self, double radius, double e[2])
     double grown = q_growth(radius / s->norm), sum = 0;
     for (size_t m = 0, terms = q_terms(s->a); m < terms; m++) {
         double square = ((double)m + 1) * ((double)m + 1);
-        sum += fabs(s->a.x[m]) * square * (12.5 + square / 30) * q_power(grown, 2 * m + 4);
+        sum += fabs(s->a.x[m]) * square * (12.5 + square / 30) * q_most(q_power(grown, 2 * m + 4));
     }
     e[0] = 0, e[1] = 1.01 * SGT_U * sum / (s->norm * s->norm);
 }
