@@ -39,12 +39,13 @@
  * ROUNDING.  Let M be the polynomial of the `size`s.  All its derivatives are positive.  The coefficients are
  * off by 2^-45 of theirs; a step of Horner's rule, or of the shift to another point, rounds by u of what the
  * same steps make of the magnitudes, and there are 2 n of them, n < 24.  So a derivative at a point within
- * x1 is off by at most 2^-42 times that of M at x1.
+ * x1 is off by at most 2^-42 times that of M at x1; OFF is above that.
  *
  * A NODE of a ray is the w that is computed.  There q is within 2^-48 of q_j, relatively: x and y of the nearest
- * point, a, the quotient and the root are rounded by a few u.  That moves s by at most 2^-48 q s', and q s' is
- * at most n + 16 times M f of the departure, f the factor, as 1 - c^2 q >= 2^-5 in the table, and 4 c q for
- * the base.  With the rounding of s that is below 2^-40 M f + 2^-40 |c| q.
+ * point, a, the quotient and the root are rounded by a few u.  That moves s by at most 2^-48 q s'.  Of the
+ * departure q s' is at most n + 128 times M f, f the factor, as 1 - c^2 q >= 2^-8 in the table; of the base 8 |c|
+ * q.  f itself is off by 2^-44 of it.  Together that is less than 2^-40 M f + 2^-40 |c| q.  Nearer to the axis than
+ * the first node, q is off by 2^-50 of q there, and what holds for that node is more.
  *
  * THE NODES are as dense as the polynomial bends: evenly in theta, r = norm sin(theta), within the norm, and
  * r = norm cosh(theta) beyond; of powers of r, in equal ratios.  Toward the edge of a base 1 - (r / edge)^2
@@ -63,7 +64,7 @@
 #include <sagitta/interval.h>
 
 enum { BLOCK = 8, PROFILE_LOOKS = 24, PROFILE_DEEP = 12 };
-static const double OFF = 0x1p-42, OFF_NODE = 0x1p-40, STEEPLY = 64;
+static const double OFF = 0x1p-41, OFF_NODE = 0x1p-40, EDGE = 0x1p-8, STEEPLY = 64;
 
 typedef double block_row[BLOCK];
 #define EACH LANES for (size_t i = 0; i < BLOCK; i++)
@@ -87,7 +88,7 @@ static sag_at sag_of(const sgt_profile_table *e, double q, double off_by)
 static double last_by_edge(const sgt_profile_table *e)
 {
     double kappa = e->k1 * e->c * e->c, most = larger(kappa, e->of.bent);
-    return most > 0 ? (1 - 0x1p-5) / most : HUGE_VAL;
+    return most > 0 ? (1 - EDGE) / most : HUGE_VAL;
 }
 
 /* The radius of the last node: where the sag is far higher than wide, and has a tail; 0: there is none. */
@@ -291,17 +292,20 @@ static bool tell_rings(sgt_profile_table *e)
 /* The sag from the last node to where the base ends. */
 static void tell_rest(sgt_surface s, sgt_profile_table *e)
 {
-    double kappa = larger(e->k1 * e->c * e->c, e->of.bent), q = e->q[e->nodes - 1], r = sqrt(q);
+    const double kappa = larger(e->k1 * e->c * e->c, e->of.bent), q = e->q[e->nodes - 1],
+                 r = sqrt(q) * (1 - 0x1p-40);
     e->edge = HUGE_VAL, e->low = -HUGE_VAL, e->high = HUGE_VAL;
     if (!(kappa > 0)) return;
     e->edge = (1 + 0x1p-20) / kappa;
     double end = sqrt(e->edge);
-    region where = {{-end, end}, {-end, end}, r * (1 - 0x1p-20), end};
+    region where = {{-end, end}, {-end, end}, r, end};
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (s.ops->own_->departure->bounds(s.self, &where, &b) == 0 || !(b.size < HUGE_VAL)) return;
-    double base = e->c * q * 0.5, last = 2 * e->c * e->edge; /* c q / (1 + phi), 0 <= phi <= 1 */
-    range of = between(base, last);
-    e->low = of.lo - b.size, e->high = of.hi + b.size;
+    double base = e->c * q / (1 + sqrt(1 - e->k1 * e->c * (e->c * q))), rim = e->c * e->edge,
+           there = e->sag[e->nodes - 1] - base, rise = b.steep * (end - r), off = e->off[e->nodes - 1];
+    range of = wider(between(base, rim), 0x1p-20), p = {-b.size, b.size};
+    if (rise < HUGE_VAL) p = (range){larger(p.lo, there - rise - off), smaller(p.hi, there + rise + off)};
+    e->low = of.lo + p.lo, e->high = of.hi + p.hi;
 }
 
 SGT_NOINLINE

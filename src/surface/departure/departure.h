@@ -69,6 +69,9 @@ typedef struct departure {
      * Derive it by running error analysis in the head of the file. */
     void (*rounding)(const void *self, double x, double y, double *p_err, double *grad_err);
 
+    /* *p_err of `rounding` alone, to the bit, at less cost.  NULL: `rounding` is asked. */
+    double (*size_rounding)(const void *self, double x, double y);
+
     /* Bounds of P over the region.  Returns
      *
      *   1   P is defined all over the region

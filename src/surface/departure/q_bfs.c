@@ -162,16 +162,20 @@ static bool bfs_profile(const void *self, sgt_profile *out)
 }
 
 /* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
-static q_weight bfs_weigh(size_t m, double v)
+static void bfs_weigh(size_t terms, double v, q_weight *weights)
 {
-    double u = sqrt(v), M = 2 * (double)m + 1;
-    if (u > 1) {
-        far_sine e = far_sine_of(2 * m + 1, u);
-        return (q_weight){e.t * (1 + 0x1p-40), 0.5 * (u * (M * e.s) + e.t) * (1 + 0x1p-40)};
+    double u = sqrt(v), cosine = sqrt(larger(1 - v, 0));
+    far_sine e = far_sine_of(u > 1 ? 1 : 0, u);
+    for (size_t m = 0; m < terms; m++) {
+        double M = 2 * (double)m + 1, sine = 1.5708 * M * u;
+        if (u > 1) {
+            weights[m] = (q_weight){e.t * (1 + 0x1p-40), 0.5 * (u * (M * e.s) + e.t) * (1 + 0x1p-40)};
+            e = far_sine_next(far_sine_next(e, u), u);
+            continue;
+        }
+        if (!(sine < 1)) sine = 1;
+        weights[m] = (q_weight){sine, 0.5 * (M * u * (M * cosine < 1 ? M : 1 / cosine) + sine)};
     }
-    double cosine = sqrt(larger(1 - v, 0)), sine = 1.5708 * M * u;
-    if (!(sine < 1)) sine = 1;
-    return (q_weight){sine, 0.5 * (M * u * (M * cosine < 1 ? M : 1 / cosine) + sine)};
 }
 
 static bounds bfs_all_bounds(const sgt_q_bfs *s, double r)
@@ -261,7 +265,9 @@ static void bfs_rounding(const void *self, double x, double y, double *p_err, do
     double b[Q_TERMS], b_err[Q_TERMS], r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm),
                                        u = r / s->norm, c = s->c;
     size_t terms = basis(s->a, b, b_err);
-    q_rounded S = q_rounding(bfs_step, bfs_weigh, terms, b, b_err, 0, v);
+    q_weight weights[Q_TERMS];
+    bfs_weigh(terms, v, weights);
+    q_rounded S = q_rounding(bfs_step, weights, terms, b, b_err, 0, v);
     sgt_q_bfs flat = *s;
     flat.c = 0;
     bounds T = bfs_all_bounds(&flat, r * (1 + 0x1p-40));
