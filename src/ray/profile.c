@@ -32,7 +32,8 @@
  *   second derivative there is 2 t_2 within the sum over k > 2 of k (k - 1) |t_k| h^(k - 2).  If it has one
  *   sign, the first derivative is between those at the ends; else it is t_1 within the sum of k |t_k| h^(k-1).
  * - Each term of one in r is monotone in r, and so are its derivatives by q: the rising ones at one end and
- *   the falling ones at the other bound the sum.  At the axis they have none: the first ring is its `core`.
+ *   the falling ones at the other bound the sum.  At the axis they have none.  So the first ring is the `core`,
+ *   where the slope of the sag and its second derivative in any direction are bounded instead.
  * - The base is c q / (1 + phi), phi^2 = 1 - (1 + k) c^2 q; its derivatives c / (2 phi) and (1 + k) c^3 /
  *   (4 phi^3) are monotone, as are those of the factor.
  *
@@ -334,8 +335,8 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
         e->sag[j] = e->sag[e->nodes - 1], e->off[j] = e->off[e->nodes - 1];
     if (e->core) {
         sgt_extent within = SGT_NO_EXTENT;
-        builtin->extent_within(s.self, e->of.core * (1 + 0x1p-9), false, &within);
-        e->steep = within.steep;
+        builtin->extent_within(s.self, e->of.core * (1 + 0x1p-9), true, &within);
+        e->steep = within.steep, e->bent = within.bent;
     }
     tell_rest(s, e);
     return tell_rings(e);
@@ -501,7 +502,8 @@ static void derivatives(const sgt_profile_table *table, const course *e, size_t 
     double near = from * to <= 0 ? 0 : a * smaller(f2, t2), far = a * larger(f2, t2);
     if (table->core && j == 0) {
         double most = table->steep * sqrt(a) * (1 + 0x1p-20);
-        *first = (range){e->g - most, e->g + most}, *second = (range){-HUGE_VAL, HUGE_VAL};
+        *first = (range){e->g - most, e->g + most};
+        *second = wider((range){-a * table->bent.hi, -a * table->bent.lo}, 0x1p-40);
         return;
     }
     double v0 = -2 * a * from, v1 = -2 * a * to, off = 0x1p-40 * fabs(e->g);
@@ -547,7 +549,7 @@ static piece_says look_at(const sgt_profile_table *table, const course *e, size_
             a = b, b = pending[--waiting];
             continue;
         }
-        if (!(a.least > 0) || waiting == PROFILE_DEEP || (table->core && j == 0) || --*looks < 0)
+        if (!(a.least > 0) || waiting == PROFILE_DEEP || --*looks < 0)
             return PIECE_STUCK;
         pending[waiting++] = b;
         b = ask(table, e, 0.5 * (a.w + b.w));

@@ -5,6 +5,8 @@
 
 #include "../surface/departure/profile.h"
 
+#include <sagitta/interval.h>
+
 #include <stdbool.h>
 
 /* The rings between q = r^2 of one node and of the next.  What is said of a ring holds as far as 2^-10 of its
@@ -12,7 +14,8 @@
  *
  *     sag, off               at the node, and how far F may be off there by all that is rounded, but for z
  *     slope, bend            of the ring: what the first and the second derivative by q lie in
- *     core                   is the first ring known by its `steep` alone, a bound on |ds/dr|?
+ *     core                   is the first ring known by these alone: `steep`, a bound on |ds/dr|, and `bent`,
+ *                            what the second derivative in any direction lies in
  *     edge, low, high        where the base ends (r^2; infinite: nowhere), and what the sag lies in from the last
  *                            node to there
  *
@@ -22,6 +25,7 @@ typedef double profile_row[PROFILE_NODES];
 typedef struct sgt_profile_table {
     sgt_profile of;
     double c, k1, steep, edge, low, high;
+    sgt_interval bent;
     bool core;
     size_t nodes;
     profile_row q, sag, off, slope_lo, slope_hi, bend_lo, bend_hi;
