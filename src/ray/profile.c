@@ -405,11 +405,17 @@ SGT_INLINE mask is_clear(double a, double b, double length, double bend)
     return MASK(least > 0) & MASK((0.5 + 0x1p-20) * length * length * bend < most + 3 * least);
 }
 
-/* Marks the rings of a block that are not clear for F of this sign, on one side.  Returns how many. */
+/* The rings from `low` on and below `high`. */
+typedef struct bounded { size_t low, high; } bounded;
+
+/* Marks the rings of a block, of those among these, that are not clear for F of this sign, on one side.
+ * Returns how many. */
 SGT_KERNEL
-static double pass_rings(const sgt_profile_table *table, const course *e, size_t from, double side, double sign,
-                         double open[BLOCK])
+static double pass_rings(const sgt_profile_table *table, const course *e, size_t from, const bounded *among,
+                         double side, double sign, double open[BLOCK])
 {
+    static const block_row number = {0, 1, 2, 3, 4, 5, 6, 7};
+    const double low = (double)among->low - (double)from, high = (double)among->high - (double)from;
     const double q0 = e->q0, a = 2 * e->a, z = sign * e->z, g = sign * side * e->g, size = fabs(z),
                  grows = fabs(g), turn = -sign;
     const double *w = e->w + from, *q = table->q + from, *sag = table->sag + from, *off = table->off + from,
@@ -424,7 +430,8 @@ static double pass_rings(const sgt_profile_table *table, const course *e, size_t
                f1 = z + g * w1 - sign * sag[i + 1] - (off[i + 1] + err), b = turn * bend[i];
         /* |F|'' is at most this */
         double most = larger(a * (turn * slope[i] + 2 * larger(b * p0, b * p1)), 0),
-               marked = chosen(is_clear(f0, f1, w1 - w0, most), 0, 1);
+               marked = chosen(is_clear(f0, f1, w1 - w0, most) | MASK(number[i] < low) | MASK(number[i] >= high),
+                               0, 1);
         open[i] = marked, left += marked;
     }
     return left;
@@ -601,13 +608,14 @@ static bool pass_side(const sgt_profile_table *table, const course *e, size_t lo
                       double sign, way *w)
 {
     double open[BLOCK];
+    const bounded among = {low, high};
     const size_t begin = low / BLOCK, end = (high + BLOCK - 1) / BLOCK;
     for (size_t k = begin; k < end; k++) {
         const size_t from = BLOCK * (side > 0 ? k : begin + end - 1 - k);
-        if (!(pass_rings(table, e, from, side, sign, open) > 0)) continue;
+        if (!(pass_rings(table, e, from, &among, side, sign, open) > 0)) continue;
         for (size_t i = 0; i < BLOCK; i++) {
             size_t at = side > 0 ? i : BLOCK - 1 - i, j = from + at;
-            if (j < low || j >= high || open[at] == 0) continue;
+            if (open[at] == 0) continue;
             seen one = node(table, e, side > 0 ? j : j + 1, side), other = node(table, e, side > 0 ? j + 1 : j, side);
             if (!pass_piece(table, e, j, one, other, w)) return false;
         }
@@ -676,8 +684,9 @@ static along_says look_along_profile(sgt_surface s, const courses *of, size_t j,
     const sgt_ray ray = {{of->o[0][j], of->o[1][j], of->o[2][j]}, {of->d[0][j], of->d[1][j], of->d[2][j]}, 0, 0};
     const double reach = of->reach[j], from = of->from[j];
     const size_t last = table->nodes - 1;
-    course e = {.q0 = of->q0[j], .a = of->a[j], .z = of->z[j], .g = of->g[j], .t0 = of->t0[j],
-                .scale = of->scale[j], .lost = of->lost[j]};
+    course e; /* its w are laid below */
+    e.q0 = of->q0[j], e.a = of->a[j], e.z = of->z[j], e.g = of->g[j], e.t0 = of->t0[j], e.scale = of->scale[j],
+    e.lost = of->lost[j];
     way w = {.from = from, .to = of->to[j], .looks = PROFILE_LOOKS};
     if (of->fine[j] == 0) return ALONG_SILENT;
     w.outside = from <= -reach * (1 - 0x1p-20);

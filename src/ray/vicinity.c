@@ -725,6 +725,8 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         }
     }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
+    if (behind && profiled && builtin->departure->heights_first)
+        vicinity_without_passing(s, n, r, true, from, kept, v);
     const bool looked = profiled && early(n, &r, v, from) > 0;
     if (looked) {
         sgt_begin_by_profile(s, n, &r, from, kept, v);

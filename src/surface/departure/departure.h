@@ -158,6 +158,9 @@ typedef struct departure {
     /* P as a function of r (ray/profile.c).  `tail` is offered.  false: too many terms; NULL: it is none. */
     bool (*profile)(const void *self, sgt_profile *out);
 
+    /* With `profile`: set if the heights of rings are had for much less, and so are asked first. */
+    bool heights_first;
+
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 } departure;

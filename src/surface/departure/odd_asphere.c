@@ -297,6 +297,7 @@ static const departure odd_asphere_departure = {
     .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = sgt_odd_bend,
     .parameters = odd_parameters, .by_parameter = sgt_odd_by_parameter, .object = odd_object,
     .noise = odd_noise,
-    .noises = odd_noises, .tail = odd_tail, .profile = odd_profile};
+    .noises = odd_noises, .tail = odd_tail, .profile = odd_profile,
+    .heights_first = true};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)
