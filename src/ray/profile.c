@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 /* profile.c - a sag of revolution along a ray without a rim, by a table of its profile (along.h).
  *
- * THE PROFILE.  Let q = r^2, and the sag s(q) = base + P.  Along a ray q = q0 + a w^2, with w counted from the
- * point nearest the axis, where the height is z; F(w) = z + g w - s(q).  So what is known of s over rings of q
- * is known of every ray, and is worked out once for all of them.
+ * THE PROFILE.  Let q = r^2, and the sag s(q) = base + P.  Along a ray q = q0 + a w^2, with w counted from
+ * the point nearest the axis, where the height is z; F(w) = z + g w - s(q).  So what is known of s over rings
+ * of q is known of every ray, and is worked out once for all of them.
  *
  * A RING from q_j to q_(j+1) is passed by w from w_j to w_(j+1), w_j = sqrt((q_j - q0) / a), on the way out,
- * and by the same on the way in.  The ring that holds q0 is passed in one piece, from -w to w.  With s' and s''
- * the derivatives by q,
+ * and by the same on the way in.  The ring that holds q0 is passed in one piece, from -w to w.  With s' and
+ * s'' the derivatives by q,
  *
  *     F' = g - 2 a w s',    F'' = -2 a s' - 4 a^2 w^2 s'',    a w^2 = q - q0.
  *
@@ -19,34 +19,35 @@
  * of a length.  All rings that a ray passes are asked in lanes.  Those that are left are asked one by one, in
  * the order of the way: a piece is clear, too, if F' has one sign in it.
  *
- * THE ROOT.  A piece that has unlike signs at its ends, and in which F' keeps its sign, has one root.  F' is at
- * least what its range says, and at least (A + B) / h - K h / 2, K >= |F''| (wings.c, THE ROOT).  The piece is
- * reported, and where a parabola in q has the root.
+ * THE ROOT.  A piece that has unlike signs at its ends, and in which F' keeps its sign, has one root.  F' is
+ * at least what its range says, and at least (A + B) / h - K h / 2, K >= |F''| (wings.c, THE ROOT).  The
+ * piece is reported, and where a parabola in q has the root.
  *
- * Else F is asked in the middle of the piece, and the halves are looked at in turn.  A piece that says nothing
- * after some of that ends the look: it is clear up to there.
+ * Else F is asked in the middle of the piece, and the halves are looked at in turn.  A piece that says
+ * nothing after some of that ends the look: it is clear up to there.
  *
- * THE TABLE.  P is a polynomial of degree n in x = r^2 / norm^2, times (1 - c^2 r^2)^(-1/2) of a q_bfs, or
- * in r.
+ * THE TABLE.  P is a polynomial of degree n in x = r^2 / norm^2, times (1 - c^2 r^2)^(-1/2) of a q_bfs, or in
+ * r.
  * - Of a polynomial in x the coefficients t_k about the middle of a ring of half-width h are taken.  The
  *   second derivative there is 2 t_2 within the sum over k > 2 of k (k - 1) |t_k| h^(k - 2).  If it has one
- *   sign, the first derivative is between those at the ends; else it is t_1 within the sum of k |t_k| h^(k-1).
+ *   sign, the first derivative is between those at the ends; else it is t_1 within the sum of k |t_k|
+ *   h^(k-1).
  * - Each term of one in r is monotone in r, and so are its derivatives by q: the rising ones at one end and
- *   the falling ones at the other bound the sum.  At the axis they have none.  So the first ring is the `core`,
- *   where the slope of the sag and its second derivative in any direction are bounded instead.
- * - The base is c q / (1 + phi), phi^2 = 1 - (1 + k) c^2 q; its derivatives c / (2 phi) and (1 + k) c^3 /
- *   (4 phi^3) are monotone, as are those of the factor.
+ *   the falling ones at the other bound the sum.  At the axis they have none.  So the first ring is the
+ *   `core`, where the slope of the sag and its second derivative in any direction are bounded instead.
+ * - The base is c q / (1 + phi), phi^2 = 1 - (1 + k) c^2 q; its derivatives c / (2 phi) and (1 + k) c^3 / (4
+ *   phi^3) are monotone, as are those of the factor.
  *
  * ROUNDING.  Let M be the polynomial of the `size`s.  All its derivatives are positive.  The coefficients are
  * off by 2^-45 of theirs; a step of Horner's rule, or of the shift to another point, rounds by u of what the
- * same steps make of the magnitudes, and there are 2 n of them, n < 24.  So a derivative at a point within
- * x1 is off by at most 2^-42 times that of M at x1; OFF is above that.
+ * same steps make of the magnitudes, and there are 2 n of them, n < 24.  So a derivative at a point within x1
+ * is off by at most 2^-42 times that of M at x1; OFF is above that.
  *
- * A NODE of a ray is the w that is computed.  There q is within 2^-48 of q_j, relatively: x and y of the nearest
- * point, a, the quotient and the root are rounded by a few u.  That moves s by at most 2^-48 q s'.  Of the
- * departure q s' is at most n + 128 times M f, f the factor, as 1 - c^2 q >= 2^-8 in the table; of the base 8 |c|
- * q.  f itself is off by 2^-44 of it.  Together that is less than 2^-40 M f + 2^-40 |c| q.  Nearer to the axis than
- * the first node, q is off by 2^-50 of q there, and what holds for that node is more.
+ * A NODE of a ray is the w that is computed.  There q is within 2^-48 of q_j, relatively: x and y of the
+ * nearest point, a, the quotient and the root are rounded by a few u.  That moves s by at most 2^-48 q s'.
+ * Of the departure q s' is at most n + 128 times M f, f the factor, as 1 - c^2 q >= 2^-8 in the table; of the
+ * base 8 |c| q.  f itself is off by 2^-44 of it.  Together that is less than 2^-40 M f + 2^-40 |c| q.  Nearer
+ * to the axis than the first node, q is off by 2^-50 of q there, and what holds for that node is more.
  *
  * THE NODES are as dense as the polynomial bends: evenly in theta, r = norm sin(theta), within the norm, and
  * r = norm cosh(theta) beyond; of powers of r, in equal ratios.  Toward the edge of a base 1 - (r / edge)^2
@@ -68,14 +69,16 @@ enum { BLOCK = 8, PROFILE_LOOKS = 24, PROFILE_DEEP = 12 };
 static const double OFF = 0x1p-41, OFF_NODE = 0x1p-40, EDGE = 0x1p-8, STEEPLY = 64;
 
 typedef double block_row[BLOCK];
-#define EACH LANES for (size_t i = 0; i < BLOCK; i++)
+#define EACH_RING LANES for (size_t i = 0; i < BLOCK; i++)
 
 /* --------------------------------------------------------------------------------- the table */
 
-typedef struct sag_at { double s, off; } sag_at;
+typedef struct sag_at {
+    double s, off;
+} sag_at;
 
 /* The sag at q, and how far it may be off, q taken as exact; `off_by` of M f and |c| q. */
-static sag_at sag_of(const sgt_profile_table *e, double q, double off_by)
+static sag_at profile_sag(const sgt_profile_table *e, double q, double off_by)
 {
     const sgt_profile *of = &e->of;
     double x = of->norm2 > 0 ? q / of->norm2 : sqrt(q), p = 0, most = 0, phi2 = 1 - e->k1 * e->c * (e->c * q),
@@ -98,7 +101,7 @@ static double last_radius(sgt_surface s, const sgt_profile_table *e)
     double r = e->of.from, edge = sqrt(last_by_edge(e));
     for (int i = 0, tried = 0; i < 64 && tried < 4; i++, r *= 1.125) {
         if (!(r < edge)) return edge;
-        if (!(fabs(sag_of(e, r * r, 0).s) >= STEEPLY * r)) continue;
+        if (!(fabs(profile_sag(e, r * r, 0).s) >= STEEPLY * r)) continue;
         tried++;
         if (fabs(s.ops->own_->tail(s.self, r)) >= 0.5 * STEEPLY * r) return r;
     }
@@ -116,8 +119,8 @@ static size_t lay_nodes(sgt_profile_table *e, double last, double step)
     e->q[n++] = 0;
     if (!(norm > 0)) e->q[n++] = r * r;
     while (r < last * (1 - 0x1p-20)) {
-        double u = r / norm, next = norm > 0 ? r + step * norm * (sqrt(fabs(1 - u * u)) + 0.5 * step)
-                                             : r + step * r;
+        double u = r / norm,
+               next = norm > 0 ? r + step * norm * (sqrt(fabs(1 - u * u)) + 0.5 * step) : r + step * r;
         if (kappa > 0) { /* phi^2 falls by a factor of 4 at most */
             double most = sqrt((0.75 + 0.25 * kappa * r * r) / kappa);
             next = next < most ? next : most;
@@ -131,28 +134,34 @@ static size_t lay_nodes(sgt_profile_table *e, double last, double step)
 }
 
 /* What a number lies in. */
-typedef struct range { double lo, hi; } range;
+typedef struct range {
+    double lo, hi;
+} range;
 
 SGT_INLINE range sum_of(range a, range b) { return (range){a.lo + b.lo, a.hi + b.hi}; }
 SGT_INLINE range between(double a, double b) { return (range){smaller(a, b), larger(a, b)}; }
 
 /* a times a number in b, b.lo >= 0. */
-SGT_INLINE range times(range a, range b)
+SGT_INLINE range range_times(range a, range b)
 {
     return (range){a.lo * chosen(MASK(a.lo > 0), b.lo, b.hi), a.hi * chosen(MASK(a.hi > 0), b.hi, b.lo)};
 }
 
-SGT_INLINE range wider(range a, double by)
+SGT_INLINE range range_wider(range a, double by)
 {
     double off = by * (fabs(a.lo) + fabs(a.hi));
     return (range){a.lo - off, a.hi + off};
 }
 
 /* The ends of a block of rings, a little outside of them. */
-typedef struct ring_ends { block_row q0, q1; } ring_ends;
+typedef struct ring_ends {
+    block_row q0, q1;
+} ring_ends;
 
 /* P and its first two derivatives by q over each ring of a block. */
-typedef struct ring_ranges { block_row p_lo, p_hi, d_lo, d_hi, dd_lo, dd_hi; } ring_ranges;
+typedef struct ring_ranges {
+    block_row p_lo, p_hi, d_lo, d_hi, dd_lo, dd_hi;
+} ring_ranges;
 
 /* Of a polynomial of x = q / norm2. */
 SGT_KERNEL
@@ -161,34 +170,35 @@ static void ranges_by_square(const sgt_profile *of, const ring_ends *at, ring_ra
     const size_t n = of->terms;
     const double by = 1 / of->norm2;
     block_row t[PROFILE_TERMS], x, h, most, steep, bend, end, value, first, second, low, high;
-    EACH
+    EACH_RING
     {
         double x0 = at->q0[i] * by, x1 = at->q1[i] * by;
         x[i] = 0.5 * (x0 + x1), h[i] = 0.5 * (x1 - x0) * (1 + 0x1p-40), end[i] = x1 * (1 + 0x1p-40);
         most[i] = steep[i] = bend[i] = 0;
     }
-    for (size_t k = 0; k < n; k++) EACH t[k][i] = of->c[k];
+    for (size_t k = 0; k < n; k++) EACH_RING t[k][i] = of->c[k];
     for (size_t k = 0; k + 1 < n; k++)
-        for (size_t j = n - 1; j-- > k;) EACH t[j][i] = sgt_fma(x[i], t[j + 1][i], t[j][i]);
+        for (size_t j = n - 1; j-- > k;) EACH_RING t[j][i] = sgt_fma(x[i], t[j + 1][i], t[j][i]);
     /* M and its derivatives at the end; 2 bend is the second */
-    for (size_t k = n; k-- > 0;) EACH
+    for (size_t k = n; k-- > 0;) EACH_RING
         {
             bend[i] = sgt_fma(bend[i], end[i], steep[i]), steep[i] = sgt_fma(steep[i], end[i], most[i]);
             most[i] = sgt_fma(most[i], end[i], of->size[k]);
         }
     /* the sums of magnitudes, and the first derivative at both ends */
-    EACH value[i] = first[i] = second[i] = low[i] = high[i] = 0;
+    EACH_RING value[i] = first[i] = second[i] = low[i] = high[i] = 0;
     for (size_t k = n; k-- > 1;) {
         const double w = (double)k, v = k > 1 ? w * (w - 1) : 0;
-        EACH
+        EACH_RING
         {
             double size = fabs(t[k][i]), more = k > 2 ? v * size : 0;
-            value[i] = sgt_fma(value[i], h[i], size), first[i] = sgt_fma(first[i], h[i], k > 1 ? w * size : 0);
+            value[i] = sgt_fma(value[i], h[i], size),
+            first[i] = sgt_fma(first[i], h[i], k > 1 ? w * size : 0);
             second[i] = k > 1 ? sgt_fma(second[i], h[i], more) : second[i];
             low[i] = sgt_fma(low[i], -h[i], w * t[k][i]), high[i] = sgt_fma(high[i], h[i], w * t[k][i]);
         }
     }
-    EACH
+    EACH_RING
     {
         double p = value[i] * h[i] * (1 + 0x1p-40) + OFF * most[i], d = first[i] * (1 + 0x1p-40),
                middle = n > 1 ? t[1][i] : 0, bent = n > 2 ? 2 * t[2][i] : 0,
@@ -207,7 +217,7 @@ SGT_KERNEL
 static void ranges_by_radius(const sgt_profile *of, const ring_ends *at, ring_ranges *out)
 {
     block_row r0, r1, low, high, d_size, dd_size;
-    EACH
+    EACH_RING
     {
         r0[i] = sqrt(at->q0[i]) * (1 - 0x1p-50), r1[i] = sqrt(at->q1[i]) * (1 + 0x1p-50);
         low[i] = 1 / (r0[i] * (r0[i] * r0[i])), high[i] = 1 / (r1[i] * (r1[i] * r1[i]));
@@ -217,7 +227,7 @@ static void ranges_by_radius(const sgt_profile *of, const ring_ends *at, ring_ra
     for (size_t k = 1; k < of->terms; k++) { /* low, high: r^(k - 4) at the ends */
         const double n = (double)k, a = 0.5 * n * of->c[k], b = (0.5 * n - 1) * a;
         /* of powers that fall the greatest is at the near end */
-        EACH
+        EACH_RING
         {
             double ll = low[i], hh = high[i], l = ll * (r0[i] * r0[i]), h = hh * (r1[i] * r1[i]);
             range d = between(a * l, a * h), dd = between(b * ll, b * hh);
@@ -226,7 +236,7 @@ static void ranges_by_radius(const sgt_profile *of, const ring_ends *at, ring_ra
             low[i] = ll * r0[i], high[i] = hh * r1[i];
         }
     }
-    EACH
+    EACH_RING
     {
         double d = 0x1p-40 * d_size[i], dd = 0x1p-40 * dd_size[i];
         out->d_lo[i] -= d, out->d_hi[i] += d, out->dd_lo[i] -= dd, out->dd_hi[i] += dd;
@@ -235,17 +245,18 @@ static void ranges_by_radius(const sgt_profile *of, const ring_ends *at, ring_ra
 
 /* The base is added, and the factor. */
 SGT_KERNEL
-static void ranges_of_sag(const sgt_profile_table *e, const ring_ends *at, const ring_ranges *of, double *d_lo,
-                          double *d_hi, double *dd_lo, double *dd_hi)
+static void ranges_of_sag(const sgt_profile_table *e, const ring_ends *at, const ring_ranges *of,
+                          double *d_lo, double *d_hi, double *dd_lo, double *dd_hi)
 {
     const double c = e->c, kappa = e->k1 * c * c, bent = e->of.bent;
-    EACH
+    EACH_RING
     {
         range d = {of->d_lo[i], of->d_hi[i]}, dd = {of->dd_lo[i], of->dd_hi[i]};
         double phi0 = 1 / sqrt(1 - kappa * at->q0[i]), phi1 = 1 / sqrt(1 - kappa * at->q1[i]);
-        range slope = wider(between(0.5 * c * phi0, 0.5 * c * phi1), 0x1p-40);
+        range slope = range_wider(between(0.5 * c * phi0, 0.5 * c * phi1), 0x1p-40);
         double bend = 0.25 * c * kappa;
-        range bow = wider(between(bend * (phi0 * (phi0 * phi0)), bend * (phi1 * (phi1 * phi1))), 0x1p-40);
+        range bow =
+            range_wider(between(bend * (phi0 * (phi0 * phi0)), bend * (phi1 * (phi1 * phi1))), 0x1p-40);
         if (bent > 0) {
             double f0 = 1 / sqrt(1 - bent * at->q0[i]), f1 = 1 / sqrt(1 - bent * at->q1[i]),
                    g0 = f0 * (f0 * f0), g1 = f1 * (f1 * f1);
@@ -253,12 +264,12 @@ static void ranges_of_sag(const sgt_profile_table *e, const ring_ends *at, const
                   df = {0.5 * bent * g0 * (1 - 0x1p-40), 0.5 * bent * g1 * (1 + 0x1p-40)},
                   ddf = {0.75 * bent * bent * (g0 * (f0 * f0)) * (1 - 0x1p-40),
                          0.75 * bent * bent * (g1 * (f1 * f1)) * (1 + 0x1p-40)},
-                  mixed = times(d, df);
-            dd = sum_of(times(dd, f), sum_of(sum_of(mixed, mixed), times(p, ddf)));
-            d = sum_of(times(d, f), times(p, df));
-            d = wider(d, 0x1p-40), dd = wider(dd, 0x1p-40);
+                  mixed = range_times(d, df);
+            dd = sum_of(range_times(dd, f), sum_of(sum_of(mixed, mixed), range_times(p, ddf)));
+            d = sum_of(range_times(d, f), range_times(p, df));
+            d = range_wider(d, 0x1p-40), dd = range_wider(dd, 0x1p-40);
         }
-        d = wider(sum_of(d, slope), 0x1p-40), dd = wider(sum_of(dd, bow), 0x1p-40);
+        d = range_wider(sum_of(d, slope), 0x1p-40), dd = range_wider(sum_of(dd, bow), 0x1p-40);
         d_lo[i] = d.lo, d_hi[i] = d.hi, dd_lo[i] = dd.lo, dd_hi[i] = dd.hi;
     }
 }
@@ -280,8 +291,10 @@ static bool tell_rings(sgt_profile_table *e)
             if (e->core && k == 0) q0 = q1; /* its own ranges are not read */
             at.q0[i] = larger(q0 - more, 0), at.q1[i] = q1 + more;
         }
-        if (square) ranges_by_square(&e->of, &at, &of);
-        else ranges_by_radius(&e->of, &at, &of);
+        if (square)
+            ranges_by_square(&e->of, &at, &of);
+        else
+            ranges_by_radius(&e->of, &at, &of);
         ranges_of_sag(e, &at, &of, e->slope_lo + j, e->slope_hi + j, e->bend_lo + j, e->bend_hi + j);
     }
     for (size_t j = 0; j < end; j++)
@@ -304,7 +317,7 @@ static void tell_rest(sgt_surface s, sgt_profile_table *e)
     if (s.ops->own_->departure->bounds(s.self, &where, &b) == 0 || !(b.size < HUGE_VAL)) return;
     double base = e->c * q / (1 + sqrt(1 - e->k1 * e->c * (e->c * q))), rim = e->c * e->edge,
            there = e->sag[e->nodes - 1] - base, rise = b.steep * (end - r), off = e->off[e->nodes - 1];
-    range of = wider(between(base, rim), 0x1p-20), p = {-b.size, b.size};
+    range of = range_wider(between(base, rim), 0x1p-20), p = {-b.size, b.size};
     if (rise < HUGE_VAL) p = (range){larger(p.lo, there - rise - off), smaller(p.hi, there + rise + off)};
     e->low = of.lo + p.lo, e->high = of.hi + p.hi;
 }
@@ -328,7 +341,7 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
     const size_t end = end_of(e);
     for (size_t j = e->nodes; j < end; j++) e->q[j] = e->q[e->nodes - 1];
     for (size_t j = 0; j < e->nodes; j++) {
-        sag_at at = sag_of(e, e->q[j], OFF_NODE);
+        sag_at at = profile_sag(e, e->q[j], OFF_NODE);
         e->sag[j] = at.s, e->off[j] = at.off;
     }
     for (size_t j = e->nodes; j < end; j++)
@@ -352,38 +365,40 @@ typedef struct courses {
     block_row fine; /* 1: all this is known well enough */
 } courses;
 
-typedef struct course {
+typedef struct passage {
     double q0, a, z, g, t0, scale, lost;
-    size_t first, begins;         /* the rings that hold q0, and the start */
+    size_t first, begins;        /* the rings that hold q0, and the start */
     double w[PROFILE_NODES + 1]; /* at the nodes */
-} course;
+} passage;
 
 /* Where F has been asked: at least |F|, 0 if its sign is not certain, and its sign. */
-typedef struct seen { double w, least, sign; } seen;
+typedef struct glimpse {
+    double w, least, sign;
+} glimpse;
 
-static seen seen_of(const course *e, double w, double s, double off)
+static glimpse seen_of(const passage *e, double w, double s, double off)
 {
     double f = e->z + e->g * w - s, err = off + 0x1p-46 * (fabs(e->z) + fabs(e->g * w));
-    return (seen){w, larger(fabs(f) - err, 0), copysign(1, f)};
+    return (glimpse){w, larger(fabs(f) - err, 0), copysign(1, f)};
 }
 
 /* F at any w. */
-static seen ask(const sgt_profile_table *table, const course *e, double w)
+static glimpse ask(const sgt_profile_table *table, const passage *e, double w)
 {
     const double q = e->q0 + e->a * (w * w);
-    sag_at s = sag_of(table, q, 2 * OFF); /* with what q is off, as at a node */
+    sag_at s = profile_sag(table, q, 2 * OFF); /* with what q is off, as at a node */
     return seen_of(e, w, s.s, q < table->q[1] ? larger(s.off, table->off[1]) : s.off);
 }
 
 /* F at a node on the way out (side 1), or in (-1). */
-static seen node(const sgt_profile_table *table, const course *e, size_t j, double side)
+static glimpse node(const sgt_profile_table *table, const passage *e, size_t j, double side)
 {
     return seen_of(e, side * e->w[j], table->sag[j], table->off[j]);
 }
 
 /* w at the nodes, and the rings; begins: q at the start.  What is behind the last node is read, to no end. */
 SGT_KERNEL
-static void pass_nodes(const sgt_profile_table *table, course *e, double begins)
+static void pass_nodes(const sgt_profile_table *table, passage *e, double begins)
 {
     const double q0 = e->q0, by = 1 / e->a;
     const size_t end = end_of(table);
@@ -406,13 +421,15 @@ SGT_INLINE mask is_clear(double a, double b, double length, double bend)
 }
 
 /* The rings from `low` on and below `high`. */
-typedef struct bounded { size_t low, high; } bounded;
+typedef struct ring_span {
+    size_t low, high;
+} ring_span;
 
 /* Marks the rings of a block, of those among these, that are not clear for F of this sign, on one side.
  * Returns how many. */
 SGT_KERNEL
-static double pass_rings(const sgt_profile_table *table, const course *e, size_t from, const bounded *among,
-                         double side, double sign, double open[BLOCK])
+static double pass_rings(const sgt_profile_table *table, const passage *e, size_t from,
+                         const ring_span *among, double side, double sign, double open[BLOCK])
 {
     static const block_row number = {0, 1, 2, 3, 4, 5, 6, 7};
     const double low = (double)among->low - (double)from, high = (double)among->high - (double)from;
@@ -430,8 +447,8 @@ static double pass_rings(const sgt_profile_table *table, const course *e, size_t
                f1 = z + g * w1 - sign * sag[i + 1] - (off[i + 1] + err), b = turn * bend[i];
         /* |F|'' is at most this */
         double most = larger(a * (turn * slope[i] + 2 * larger(b * p0, b * p1)), 0),
-               marked = chosen(is_clear(f0, f1, w1 - w0, most) | MASK(number[i] < low) | MASK(number[i] >= high),
-                               0, 1);
+               marked = chosen(
+                   is_clear(f0, f1, w1 - w0, most) | MASK(number[i] < low) | MASK(number[i] >= high), 0, 1);
         open[i] = marked, left += marked;
     }
     return left;
@@ -442,7 +459,8 @@ SGT_KERNEL
 static void lay_courses(const sgt_profile_table *table, size_t n, courses *e)
 {
     const double across2 = table->q[1], last = table->q[table->nodes - 1];
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         double ox = e->o[0][i], oy = e->o[1][i], oz = e->o[2][i];
         const sgt_vec3 d = {e->d[0][i], e->d[1][i], e->d[2][i]};
         double scale = scale_of(d), inverse = inverse_of_scale(d), l = d.x * scale, m = d.y * scale,
@@ -451,7 +469,8 @@ static void lay_courses(const sgt_profile_table *table, size_t n, courses *e)
         t0 -= (x * l + y * m) * by;
         x = moved_along(ox, t0, l), y = moved_along(oy, t0, m);
         double z = moved_along(oz, t0, g), left = (x * l + y * m) * by;
-        /* From afar an ulp of t0 is long.  What is left to the nearest point is less than what is lost of t. */
+        /* From afar an ulp of t0 is long.  What is left to the nearest point is less than what is lost of t.
+         */
         x -= left * l, y -= left * m, z -= left * g;
         double q0 = x * x + y * y, reach = sqrt(larger(last - q0, 0) * by), aside = x * l + y * m,
                lost = 0x1p-45 * (fabs(t0) + sqrt(last * by)), t = e->t[i] * inverse,
@@ -477,15 +496,18 @@ static void ask_starts(const sgt_profile_table *table, size_t n, courses *e)
     const bool square = of->norm2 > 0, bent = of->bent > 0;
     const double by = square ? 1 / of->norm2 : 0, c = table->c, k1 = table->k1;
     block_row q, x, p, most;
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         double w = e->from[i], at = e->q0[i] + e->a[i] * (w * w);
         q[i] = at, x[i] = square ? at * by : sqrt(at), p[i] = most[i] = 0;
     }
     for (size_t k = of->terms; k-- > 0;) {
         const double a = of->c[k], size = of->size[k];
-        LANES for (size_t i = 0; i < n; i++) p[i] = sgt_fma(p[i], x[i], a), most[i] = sgt_fma(most[i], x[i], size);
+        LANES for (size_t i = 0; i < n; i++) p[i] = sgt_fma(p[i], x[i], a),
+                                             most[i] = sgt_fma(most[i], x[i], size);
     }
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         double cq = c * q[i], phi2 = 1 - k1 * c * cq, f = bent ? 1 / sqrt(1 - of->bent * q[i]) : 1,
                off = 2 * OFF * (most[i] * f + fabs(cq));
         e->sag[i] = cq / (1 + sqrt(phi2)) + p[i] * f;
@@ -498,10 +520,13 @@ static void ask_starts(const sgt_profile_table *table, size_t n, courses *e)
 typedef enum piece_says { PIECE_STUCK, PIECE_CLEAR, PIECE_ROOT } piece_says;
 
 /* A root between two points, where a line has it, and at least |F'|. */
-typedef struct found { double from, to, guess, least; size_t ring; } found;
+typedef struct piece_root {
+    double from, to, guess, least;
+    size_t ring;
+} piece_root;
 
 /* What F' and F'' lie in, from w to w in this ring. */
-static void derivatives(const sgt_profile_table *table, const course *e, size_t j, double from, double to,
+static void derivatives(const sgt_profile_table *table, const passage *e, size_t j, double from, double to,
                         range *first, range *second)
 {
     const double a = e->a, f2 = from * from, t2 = to * to;
@@ -510,20 +535,20 @@ static void derivatives(const sgt_profile_table *table, const course *e, size_t 
     if (table->core && j == 0) {
         double most = table->steep * sqrt(a) * (1 + 0x1p-20);
         *first = (range){e->g - most, e->g + most};
-        *second = wider((range){-a * table->bent.hi, -a * table->bent.lo}, 0x1p-40);
+        *second = range_wider((range){-a * table->bent.hi, -a * table->bent.lo}, 0x1p-40);
         return;
     }
     double v0 = -2 * a * from, v1 = -2 * a * to, off = 0x1p-40 * fabs(e->g);
     range one = between(v0 * s.lo, v0 * s.hi), other = between(v1 * s.lo, v1 * s.hi),
-          both = wider((range){smaller(one.lo, other.lo), larger(one.hi, other.hi)}, 0x1p-40);
+          both = range_wider((range){smaller(one.lo, other.lo), larger(one.hi, other.hi)}, 0x1p-40);
     *first = (range){e->g + both.lo - off, e->g + both.hi + off};
-    range turn = times(b, (range){near, far});
-    *second = wider((range){-2 * a * (s.hi + 2 * turn.hi), -2 * a * (s.lo + 2 * turn.lo)}, 0x1p-40);
+    range turn = range_times(b, (range){near, far});
+    *second = range_wider((range){-2 * a * (s.hi + 2 * turn.hi), -2 * a * (s.lo + 2 * turn.lo)}, 0x1p-40);
 }
 
 /* What a piece says, by F at its ends. */
-static piece_says judge(const sgt_profile_table *table, const course *e, size_t j, const seen *a,
-                        const seen *b, found *root)
+static piece_says judge_piece(const sgt_profile_table *table, const passage *e, size_t j, const glimpse *a,
+                              const glimpse *b, piece_root *root)
 {
     range first, second;
     const double length = b->w - a->w, room = 0x1p-12 * length;
@@ -537,18 +562,18 @@ static piece_says judge(const sgt_profile_table *table, const course *e, size_t 
     double bend = larger(second.hi, -second.lo),
            least = larger(by_range, (a->least + b->least) / length - 0.51 * bend * length);
     if (!(least > 0)) return PIECE_STUCK;
-    *root = (found){a->w, b->w, a->w + length * (a->least / (a->least + b->least)), least, j};
+    *root = (piece_root){a->w, b->w, a->w + length * (a->least / (a->least + b->least)), least, j};
     return PIECE_ROOT;
 }
 
 /* The same; where it says nothing, F is asked inside.  *clear: up to there no root is. */
-static piece_says look_at(const sgt_profile_table *table, const course *e, size_t j, seen a, seen b, int *looks,
-                          found *root, double *clear)
+static piece_says look_at(const sgt_profile_table *table, const passage *e, size_t j, glimpse a, glimpse b,
+                          int *looks, piece_root *root, double *clear)
 {
-    seen pending[PROFILE_DEEP];
+    glimpse pending[PROFILE_DEEP];
     int waiting = 0;
     for (;;) {
-        piece_says says = judge(table, e, j, &a, &b, root);
+        piece_says says = judge_piece(table, e, j, &a, &b, root);
         if (says == PIECE_ROOT) return says;
         if (says == PIECE_CLEAR) {
             *clear = b.w;
@@ -556,15 +581,14 @@ static piece_says look_at(const sgt_profile_table *table, const course *e, size_
             a = b, b = pending[--waiting];
             continue;
         }
-        if (!(a.least > 0) || waiting == PROFILE_DEEP || --*looks < 0)
-            return PIECE_STUCK;
+        if (!(a.least > 0) || waiting == PROFILE_DEEP || --*looks < 0) return PIECE_STUCK;
         pending[waiting++] = b;
         b = ask(table, e, 0.5 * (a.w + b.w));
     }
 }
 
 /* Where the root is: a parabola in q through the nodes of the ring. */
-static double root_in(const sgt_profile_table *table, const course *e, const found *f)
+static double root_in(const sgt_profile_table *table, const passage *e, const piece_root *f)
 {
     const size_t j = f->ring;
     const double qa = table->q[j], qb = table->q[j + 1], sa = table->sag[j],
@@ -587,14 +611,15 @@ static double root_in(const sgt_profile_table *table, const course *e, const fou
 /* The way of a ray: from where, and to where; up to where it is clear. */
 typedef struct way {
     double from, to, clear;
-    seen start; /* where it begins, or at the last node */
+    glimpse start; /* where it begins, or at the last node */
     bool outside, root;
-    found at;
+    piece_root at;
     int looks;
 } way;
 
 /* One piece of the way.  false: the way ends here. */
-static bool pass_piece(const sgt_profile_table *table, const course *e, size_t j, seen a, seen b, way *w)
+static bool pass_piece(const sgt_profile_table *table, const passage *e, size_t j, glimpse a, glimpse b,
+                       way *w)
 {
     w->clear = larger(w->clear, a.w);
     if (a.w >= w->to) return false;
@@ -604,11 +629,11 @@ static bool pass_piece(const sgt_profile_table *table, const course *e, size_t j
 }
 
 /* The rings from `low` on and below `high`, on the way in or out. */
-static bool pass_side(const sgt_profile_table *table, const course *e, size_t low, size_t high, double side,
+static bool pass_side(const sgt_profile_table *table, const passage *e, size_t low, size_t high, double side,
                       double sign, way *w)
 {
     double open[BLOCK];
-    const bounded among = {low, high};
+    const ring_span among = {low, high};
     const size_t begin = low / BLOCK, end = (high + BLOCK - 1) / BLOCK;
     for (size_t k = begin; k < end; k++) {
         const size_t from = BLOCK * (side > 0 ? k : begin + end - 1 - k);
@@ -616,7 +641,8 @@ static bool pass_side(const sgt_profile_table *table, const course *e, size_t lo
         for (size_t i = 0; i < BLOCK; i++) {
             size_t at = side > 0 ? i : BLOCK - 1 - i, j = from + at;
             if (open[at] == 0) continue;
-            seen one = node(table, e, side > 0 ? j : j + 1, side), other = node(table, e, side > 0 ? j + 1 : j, side);
+            glimpse one = node(table, e, side > 0 ? j : j + 1, side),
+                    other = node(table, e, side > 0 ? j + 1 : j, side);
             if (!pass_piece(table, e, j, one, other, w)) return false;
         }
     }
@@ -625,11 +651,11 @@ static bool pass_side(const sgt_profile_table *table, const course *e, size_t lo
 }
 
 /* Follows the way as far as the last node on the way out.  false: it has ended before. */
-static bool follow(const sgt_profile_table *table, const course *e, way *w)
+static bool follow(const sgt_profile_table *table, const passage *e, way *w)
 {
     const size_t last = table->nodes - 1, first = e->first;
     const double nearest = e->w[first + 1];
-    seen start = w->start;
+    glimpse start = w->start;
     size_t at = w->outside ? last : e->begins, low = first + 1;
     const double sign = start.sign;
     if (w->from < -nearest) {
@@ -637,13 +663,15 @@ static bool follow(const sgt_profile_table *table, const course *e, way *w)
         if (first + 1 < at && !pass_side(table, e, first + 1, at, -1, sign, w)) return false;
         start = node(table, e, first + 1, -1), at = first;
     }
-    if (w->from < nearest) at = first;
-    else low = at + 1;
+    if (w->from < nearest)
+        at = first;
+    else
+        low = at + 1;
     if (!pass_piece(table, e, at, start, node(table, e, at + 1, 1), w)) return false;
     return low == last || pass_side(table, e, low, last, 1, sign, w);
 }
 
-static bool tell_found(const course *e, const way *w, double seed, const vicinity *v, size_t i)
+static bool tell_profile_root(const passage *e, const way *w, double seed, const vicinity *v, size_t i)
 {
     double room = 0x1p-13 * (w->at.to - w->at.from), lo = w->at.from - room, hi = w->at.to + room,
            lost = 0x1p-44 * (fabs(e->t0) + fabs(lo) + fabs(hi));
@@ -655,7 +683,7 @@ static bool tell_found(const course *e, const way *w, double seed, const vicinit
 }
 
 /* Is the ray above or below the sag from the last node to the edge of the base? */
-static bool past_rest(const sgt_profile_table *table, const course *e, double side)
+static bool past_rest(const sgt_profile_table *table, const passage *e, double side)
 {
     if (!(table->edge < HUGE_VAL)) return false;
     const double g = side * e->g, near = e->w[table->nodes - 1] * (1 - 0x1p-20),
@@ -666,7 +694,7 @@ static bool past_rest(const sgt_profile_table *table, const course *e, double si
 }
 
 /* Is nothing met beyond the table? */
-static bool beyond(sgt_surface s, const sgt_ray *ray, const course *c, double side, vicinities *kept)
+static bool beyond(sgt_surface s, const sgt_ray *ray, const passage *c, double side, vicinities *kept)
 {
     if (past_rest(&kept->table, c, side)) return true;
     const double edge = sqrt(kept->table.q[kept->table.nodes - 1]);
@@ -681,12 +709,13 @@ static along_says look_along_profile(sgt_surface s, const courses *of, size_t j,
                                      const vicinity *v, size_t i)
 {
     const sgt_profile_table *table = &kept->table;
-    const sgt_ray ray = {{of->o[0][j], of->o[1][j], of->o[2][j]}, {of->d[0][j], of->d[1][j], of->d[2][j]}, 0, 0};
+    const sgt_ray ray = {
+        {of->o[0][j], of->o[1][j], of->o[2][j]}, {of->d[0][j], of->d[1][j], of->d[2][j]}, 0, 0};
     const double reach = of->reach[j], from = of->from[j];
     const size_t last = table->nodes - 1;
-    course e; /* its w are laid below */
-    e.q0 = of->q0[j], e.a = of->a[j], e.z = of->z[j], e.g = of->g[j], e.t0 = of->t0[j], e.scale = of->scale[j],
-    e.lost = of->lost[j];
+    passage e; /* its w are laid below */
+    e.q0 = of->q0[j], e.a = of->a[j], e.z = of->z[j], e.g = of->g[j], e.t0 = of->t0[j],
+    e.scale = of->scale[j], e.lost = of->lost[j];
     way w = {.from = from, .to = of->to[j], .looks = PROFILE_LOOKS};
     if (of->fine[j] == 0) return ALONG_SILENT;
     w.outside = from <= -reach * (1 - 0x1p-20);
@@ -707,7 +736,7 @@ static along_says look_along_profile(sgt_surface s, const courses *of, size_t j,
                   sgt_interval_between(w.start.sign > 0 ? 0 : -HUGE_VAL, w.start.sign > 0 ? HUGE_VAL : 0),
                   sgt_interval_between(-HUGE_VAL, HUGE_VAL));
     if (w.clear >= w.to) return ALONG_MISS;
-    if (w.root && tell_found(&e, &w, root_in(table, &e, &w.at), v, i)) return ALONG_ROOT;
+    if (w.root && tell_profile_root(&e, &w, root_in(table, &e, &w.at), v, i)) return ALONG_ROOT;
     if (through && beyond(s, &ray, &e, 1, kept)) return ALONG_MISS;
     if (!(seen_to > *t)) return ALONG_SILENT;
     *t = seen_to;

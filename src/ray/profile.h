@@ -16,8 +16,8 @@
  *     slope, bend            of the ring: what the first and the second derivative by q lie in
  *     core                   is the first ring known by these alone: `steep`, a bound on |ds/dr|, and `bent`,
  *                            what the second derivative in any direction lies in
- *     edge, low, high        where the base ends (r^2; infinite: nowhere), and what the sag lies in from the last
- *                            node to there
+ *     edge, low, high        where the base ends (r^2; infinite: nowhere), and what the sag lies in from the
+ *                            last node to there
  *
  * Nodes behind the last repeat it. */
 enum { PROFILE_NODES = 64 };

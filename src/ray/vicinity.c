@@ -129,7 +129,7 @@ SGT_INLINE bool has_profile(sgt_surface s)
 
 /* Next to r alone: of a sag whose high powers make a rung ten times as noisy at its far end. */
 SGT_NOINLINE
-static void noise_at(sgt_surface s, double r, size_t i, const vicinity *v)
+static void noise_next_to(sgt_surface s, double r, size_t i, const vicinity *v)
 {
     double e[2], within = r * (1 + 0x1p-8);
     s.ops->own_->noise_within(s.self, within * (1 + 0x1p-20), e);
@@ -686,7 +686,7 @@ static void noises_of_marched(sgt_surface s, size_t n, const sgt_rays *r, bool p
          * two looks, and is asked for where t would be known to less than 2^-40 of it. */
         const sgt_vec3 d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         const double enough = 0x1p-40 * v->least[i] * fabs(v->seed[i]) * inverse_of_scale(d);
-        if (profiled && v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_at(s, off, i, v);
+        if (profiled && v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_next_to(s, off, i, v);
         if (v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_about(s, HUGE_VAL, i, kept, v);
     }
 }

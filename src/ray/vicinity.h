@@ -116,7 +116,8 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = v->any_along = v->any_table = false;
+    v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = v->any_along = false;
+    v->any_table = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }

@@ -51,8 +51,8 @@ SGT_INLINE int place_of(double rung, int digits, int places)
     return (int)((bits >> digits) % (unsigned)places);
 }
 
-/* Is the profile asked of this row before all else?  It leaves the surface, or begins sixteen times as far from
- * the axis as its seed is. */
+/* Is the profile asked of this row before all else?  It leaves the surface, or begins sixteen times as far
+ * from the axis as its seed is. */
 SGT_INLINE bool sgt_early(const sgt_rays *r, const vicinity *v, const double *from, size_t i)
 {
     double t = v->seed[i], x = r->o[0][i] + t * r->d[0][i], y = r->o[1][i] + t * r->d[1][i],

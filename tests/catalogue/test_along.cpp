@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Departures that are polynomials, without a rim, and all that a ray meets of them far out (src/ray/along.c).
 //
-// Random sags of many terms: powers of x and y, of r, Zernike, Chebyshev and Q terms, sums; on bases that end, that
-// never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays come from
-// afar, pass by, or go out in any direction, with an end or without.  Two in five are shifted so that F
-// nearly touches zero somewhere, from a hundredth of the size to 10^-14 of it.
+// Random sags of many terms: powers of x and y, of r, Zernike, Chebyshev and Q terms, sums; on bases that
+// end, that never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays
+// come from afar, pass by, or go out in any direction, with an end or without.  Two in five are shifted so
+// that F nearly touches zero somewhere, from a hundredth of the size to 10^-14 of it.
 //
 // The judge is F: 1500 points of the ray, evenly in the angle that the axis sees them at, and as many next to
-// the answer.  (Of sags of revolution some rays go through the axis, along it, or start on the sag or 10^14 away;
-// src/ray/profile.c.)  Where F in doubles changes its sign between two of them, F in 113 bits is asked at both.
+// the answer.  (Of sags of revolution some rays go through the axis, along it, or start on the sag or 10^14
+// away; src/ray/profile.c.)  Where F in doubles changes its sign between two of them, F in 113 bits is asked
+// at both.
 //     a miss    F has one sign from the start to the end, or to the edge of its domain
 //     a hit     F has one sign from the start up to it, and unlike signs on either side of it
 // What a watcher is told of the first stretches holds in 113 bits, up to their ends.
@@ -181,7 +182,8 @@ sgt_ray drawn(generator &g, const specimen &s, const formula<double> &f)
     return {{x - back * d.x, y - back * d.y, z0 + off - back * d.z}, d, 0, end};
 }
 
-// The same where symmetry is: through the axis to the last bit, along it, from 10^14 away; or from on the sag.
+// The same where symmetry is: through the axis to the last bit, along it, from 10^14 away; or from on the
+// sag.
 sgt_ray special(generator &g, const specimen &s, const formula<double> &f)
 {
     sgt_ray r = drawn(g, s, f);

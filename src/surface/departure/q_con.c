@@ -159,7 +159,8 @@ static con_off con_off_at(const sgt_q_con *s, double r2, double r)
     for (size_t m = 0; m < terms; m++) weights[m] = con_weigh(m, v);
     q_rounded e = q_rounding(con_step, weights, terms, s->a.x, NULL, 1, v);
     double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner),
-           p = fabs(v * (v * e.s)), slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0,
+           p = fabs(v * (v * e.s)),
+           slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0,
            off = 1.01 * (e.s_err + 2 * SGT_U * p + 2 * SGT_U * r * (v > 0 ? slope + slope_err : 0));
     return (con_off){off, slope, slope_err};
 }
