@@ -54,6 +54,10 @@
  * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
  * circle has decided.
  *
+ * THE PROFILE.  A q_con, q_bfs or odd asphere without a rim has a table of its profile (profile.c).  It is
+ * asked first of rays that leave the surface, and of those that begin so far out that no circle says
+ * anything; of others where the circle says too little.  It is made when the first ray needs it.
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.

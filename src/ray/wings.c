@@ -94,7 +94,7 @@
  *
  * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
  * the march would begin, and from where it has left a start.  What that leaves open is marched along from
- * where it has come to.  Types with a tail do not offer it: that says as much for less.
+ * where it has come to.  Of sags of r alone a table of the profile says it (profile.c).
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */

@@ -165,7 +165,7 @@ static bool bfs_profile(const void *self, sgt_profile *out)
 static void bfs_weigh(size_t terms, double v, q_weight *weights)
 {
     double u = sqrt(v), cosine = sqrt(larger(1 - v, 0));
-    far_sine e = far_sine_of(u > 1 ? 1 : 0, u);
+    far_sine e = far_sine_of(1, u); /* read beyond 1 */
     for (size_t m = 0; m < terms; m++) {
         double M = 2 * (double)m + 1, sine = 1.5708 * M * u;
         if (u > 1) {
