@@ -527,10 +527,12 @@ static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
 /* How many rows the profile is asked of before all else: those that leave the surface, and those that come
  * from afar, where a circle says nothing. */
 SGT_NOINLINE
-static double early(size_t n, const sgt_rays *r, const vicinity *v, const double *restrict from)
+static double early(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v,
+                    const double *restrict from)
 {
+    const bool far = !s.ops->own_->departure->heights_first;
     double count = 0;
-    for (size_t i = 0; i < n; i++) count += sgt_early(r, v, from, i) ? 1.0 : 0.0;
+    for (size_t i = 0; i < n; i++) count += sgt_early(r, v, from, far, i) ? 1.0 : 0.0;
     return count;
 }
 
@@ -727,7 +729,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
     if (behind && profiled && builtin->departure->heights_first)
         vicinity_without_passing(s, n, r, true, from, kept, v);
-    const bool looked = profiled && early(n, &r, v, from) > 0;
+    const bool looked = profiled && early(s, n, &r, v, from) > 0;
     if (looked) {
         sgt_begin_by_profile(s, n, &r, from, kept, v);
         if (asked_all(n, v->asked) == 0) {

@@ -844,9 +844,10 @@ static void begin_along_all(sgt_surface s, size_t n, const sgt_rays *r, double e
 void sgt_begin_by_profile(sgt_surface s, size_t n, const sgt_rays *r, double *from, vicinities *kept,
                           const vicinity *v)
 {
+    const bool far = !s.ops->own_->departure->heights_first;
     size_t row[ALONG_ROWS], count = 0;
     for (size_t i = 0; i <= n; i++) {
-        if (i < n && fabs(from[i]) < HUGE_VAL && sgt_early(r, v, from, i)) row[count++] = i;
+        if (i < n && fabs(from[i]) < HUGE_VAL && sgt_early(r, v, from, far, i)) row[count++] = i;
         if (count < ALONG_ROWS && i < n) continue;
         if (count > 0) begin_along(s, r, count, row, from, kept, v);
         count = 0;
