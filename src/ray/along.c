@@ -533,7 +533,6 @@ SGT_INLINE bool along_offered(sgt_surface s, sgt_course *course)
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     const departure *of = builtin->departure;
     if (!of || !of->along || !of->noise || !builtin->base) return false;
-    if (rim2_of(builtin->rim(s.self)) < HUGE_VAL) return false;
     return of->along(s.self, course) && course->degree < ALONG_MOST;
 }
 
@@ -542,7 +541,9 @@ void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t
 {
     sgt_course course = {0, false, 0};
     for (size_t u = 0; u < count; u++) said[u] = ALONG_SILENT;
-    if (count == 0 || !along_offered(s, &course)) return;
+    if (count == 0 || rim2_of(s.ops->own_->rim(s.self)) < HUGE_VAL) return;
+    if (sgt_look_by_profile(s, r, count, row, t, said, kept, v)) return;
+    if (!along_offered(s, &course)) return;
     lines e;
     walker walk[WIDE];
     stretches at;

@@ -21,4 +21,8 @@ enum { ALONG_ROWS = 8 };
 void sgt_look_along(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double t[],
                     along_says said[], vicinities *kept, const vicinity *v);
 
+/* The same for a sag of revolution that has a profile (profile.c); false: it has none. */
+bool sgt_look_by_profile(sgt_surface s, const sgt_rays *r, size_t count, const size_t row[], double t[],
+                         along_says said[], vicinities *kept, const vicinity *v);
+
 #endif

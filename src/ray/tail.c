@@ -31,8 +31,7 @@ sgt_outlook sgt_outlook_of(sgt_vec3 o, sgt_vec3 d)
                          0x1p-40 * (fabs(o.z) + fabs(t * d.z)), d.z, a};
 }
 
-/* Is nothing met at `radius` and beyond, on the way in (side -1), or out (1)? */
-static bool is_clear(sgt_surface s, const sgt_outlook *e, double radius, double side, sgt_tails *kept)
+bool sgt_clear_beyond(sgt_surface s, const sgt_outlook *e, double radius, double side, sgt_tails *kept)
 {
     double tail = tail_from(s, radius, kept);
     if (tail == 0) return false;
@@ -52,7 +51,7 @@ static double least_eighth(sgt_surface s, const sgt_outlook *e, double whole, do
     while (high - low > 1) {
         int middle = (low + high) / 2;
         double radius = whole * (1 + 0.125 * middle);
-        bool clear = radius < r && is_clear(s, e, radius, side, kept);
+        bool clear = radius < r && sgt_clear_beyond(s, e, radius, side, kept);
         if (clear) high = middle, least = radius;
         else low = middle;
     }
@@ -70,7 +69,7 @@ static double last_clear(sgt_surface s, const sgt_outlook *e, double r, sgt_tail
 {
     double whole = rung_above(r, COARSE), least = 0;
     if (!(whole < HUGE_VAL)) return 0;
-    while ((whole *= 0.5) > 0x1p-400 && is_clear(s, e, whole, -1, kept)) least = whole;
+    while ((whole *= 0.5) > 0x1p-400 && sgt_clear_beyond(s, e, whole, -1, kept)) least = whole;
     return least_eighth(s, e, whole, r, -1, least, kept);
 }
 
@@ -84,7 +83,7 @@ double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sg
 bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept)
 {
     double w = (t - e->t) * (1 - 0x1p-30) - 0x1p-44 * (fabs(t) + fabs(e->t)), radius = w * sqrt(e->a);
-    return w > 0 && e->a > 0x1p-80 && is_clear(s, e, rung_below(radius, FINE), 1, kept);
+    return w > 0 && e->a > 0x1p-80 && sgt_clear_beyond(s, e, rung_below(radius, FINE), 1, kept);
 }
 
 /* From r outward the first radius of the table that is clear; 0: none within 2^32 times as far. */
@@ -92,7 +91,7 @@ static double first_clear(sgt_surface s, const sgt_outlook *e, double r, double 
 {
     double whole = rung_above(larger(r, 0x1p-60), COARSE);
     for (int i = 0; i < 32 && whole < HUGE_VAL; i++, whole *= 2)
-        if (is_clear(s, e, whole, side, kept))
+        if (sgt_clear_beyond(s, e, whole, side, kept))
             return least_eighth(s, e, 0.5 * whole, whole, side, whole, kept);
     return 0;
 }

@@ -34,9 +34,12 @@ SGT_INLINE double sgt_way_to(const sgt_outlook *e, double r2, double least2)
     return w2 > 0 && w2 < HUGE_VAL ? sqrt(w2) : 0;
 }
 
-/* The next two are for a surface that is `tailed` (sgt_shared).  On the way in from t, where the ray is at
+/* The next three are for a surface that is `tailed` (sgt_shared).  On the way in from t, where the ray is at
  * most r from the axis, or the surface ends at r: the last t before which nothing is certainly met, or t. */
 double sgt_past_tail(sgt_surface s, const sgt_outlook *e, double t, double r, sgt_tails *kept);
+
+/* Is nothing met at this radius and beyond, on the way in (side -1), or out (1)? */
+bool sgt_clear_beyond(sgt_surface s, const sgt_outlook *e, double radius, double side, sgt_tails *kept);
 
 /* Is nothing met from t on, on the way out? */
 bool sgt_leaves_by_tail(sgt_surface s, const sgt_outlook *e, double t, sgt_tails *kept);

@@ -5,6 +5,8 @@
 #include "takeoff.h"
 #include "wings.h"
 
+#include "../surface/departure/departure.h"
+
 enum { SHRINKS = 12, LEAST_BUDGET = 8 };
 
 /* Takes the place of a bound on the slope that is too small: with it a root would be known less well than
@@ -121,6 +123,21 @@ SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *ke
     if (kept->noise_radius[k] != rung)
         kept->noise_radius[k] = rung, s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e);
     v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung * rung;
+}
+
+SGT_INLINE bool has_profile(sgt_surface s)
+{
+    const departure *of = s.ops->own_->departure;
+    return of && of->profile;
+}
+
+/* Next to r alone: of a sag whose high powers make a rung ten times as noisy at its far end. */
+SGT_NOINLINE
+static void noise_next_to(sgt_surface s, double r, size_t i, const vicinity *v)
+{
+    double e[2], within = r * (1 + 0x1p-8);
+    s.ops->own_->noise_within(s.self, within * (1 + 0x1p-20), e);
+    v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = within * within;
 }
 
 SGT_KERNEL
@@ -499,7 +516,7 @@ static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
         double clear = hi[i];
         v->evals[i] += 1;
         if (v->told) tell_start(&r, v, &at, hi[0]);
-        if (over[i] == 0) {
+        if (over[i] == 0 && !has_profile(s)) { /* that says more */
             sgt_ray ray = ray_of(&r, i);
             ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
             clear = sgt_clear_by_heights(heights_about(s, kept), &ray, clear);
@@ -509,6 +526,18 @@ static bool leave_circles(sgt_surface s, size_t n, sgt_rays r, const sgt_shared 
             v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0, some = true;
     }
     return some;
+}
+
+/* How many rows the profile is asked of before all else: those that leave the surface, and those that come
+ * from afar, where a circle says nothing. */
+SGT_NOINLINE
+static double early(sgt_surface s, size_t n, const sgt_rays *r, const vicinity *v,
+                    const double *restrict from)
+{
+    const bool far = !s.ops->own_->departure->heights_first;
+    double count = 0;
+    for (size_t i = 0; i < n; i++) count += sgt_early(r, v, from, far, i) ? 1.0 : 0.0;
+    return count;
 }
 
 /* How many rays are still to be looked at. */
@@ -651,6 +680,27 @@ static void park(size_t n, const vicinity *v, double *seen)
             v->asked[i] = 0, seen[i] = seen[VICINITY_MOST] = SEEN_OPEN;
 }
 
+/* The noise at the roots that a march has found. */
+static void noises_of_marched(sgt_surface s, size_t n, const sgt_rays *r, bool profiled, vicinities *kept,
+                              const vicinity *v, const double *seen)
+{
+    for (size_t i = 0; i < n; i++) {
+        bool monotone = v->asked[i] < 0;
+        if (monotone) v->asked[i] = 0;
+        /* the rays that a march has answered: what their neighbours need is no matter */
+        const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
+        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] >= SEEN_AHEAD) continue;
+        double off = radius_at(r->o[0][i], r->o[1][i], r->d[0][i], r->d[1][i], v->seed[i]);
+        noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
+        /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
+         * two looks, and is asked for where t would be known to less than 2^-40 of it. */
+        const sgt_vec3 d = {r->d[0][i], r->d[1][i], r->d[2][i]};
+        const double enough = 0x1p-40 * v->least[i] * fabs(v->seed[i]) * inverse_of_scale(d);
+        if (profiled && v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_next_to(s, off, i, v);
+        if (v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_about(s, HUGE_VAL, i, kept, v);
+    }
+}
+
 static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *near,
                              const sgt_shared *whole, vicinities *kept, const vicinity *v, double *seen)
 {
@@ -668,7 +718,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         if (asked_all(n, v->asked) == 0) return;
     }
     const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL),
-               boxes = marches && whole->by_axis;
+               boxes = marches && whole->by_axis, profiled = marches && has_profile(s);
     const bool asks = marches && whole->ahead;
     memcpy(from, v->tmin, n * sizeof *from);
     if (marches && (n > 1 || starts_low((sgt_vec3){r.o[0][0], r.o[1][0], r.o[2][0]}, v->tmin[0])) &&
@@ -685,8 +735,19 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         }
     }
     const bool behind = n == 1 ? v->seed[0] < v->tmin[0] : all_behind(n, v->asked, v->seed, v->tmin) > 0;
-    if (behind) {
+    if (behind && profiled && builtin->departure->heights_first)
         vicinity_without_passing(s, n, r, true, from, kept, v);
+    const bool looked = profiled && early(s, n, &r, v, from) > 0;
+    if (looked) {
+        sgt_begin_by_profile(s, n, &r, from, kept, v);
+        if (asked_all(n, v->asked) == 0) {
+            for (size_t i = 0; i < n; i++) noise_about(s, HUGE_VAL, i, kept, v);
+            noises_of_marched(s, n, &r, profiled, kept, v, seen);
+            return;
+        }
+    }
+    if (behind) {
+        if (!profiled) vicinity_without_passing(s, n, r, true, from, kept, v);
         if (marches && whole->radius2 < HUGE_VAL) march_wings(s, n, r, from, true, whole, kept, v);
     }
     double *const both[2] = {v->work[8], v->work[9]}, *const *axis = whole->by_axis ? both : NULL;
@@ -736,8 +797,8 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         march_box(s, n, r, w.from, whole, kept, v);
         left = asked_all(n, v->asked);
     }
-    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, from, kept, v);
-    if (!marches || !(left != 0 || behind || boxed)) return;
+    if (left != 0 && !near && !profiled) vicinity_without_passing(s, n, r, false, from, kept, v);
+    if (!marches || !(left != 0 || behind || boxed || looked)) return;
     if (v->clear && !boxed) v->clear[0] = larger(v->clear[0], larger(from[0], w.from[0]));
     /* the march through the box has used the rows of `from` */
     for (size_t i = 0; i < n && !boxed; i++) from[i] = larger(from[i], w.from[i]);
@@ -747,19 +808,7 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         if (v->clear) v->clear[0] = larger(v->clear[0], from[0]);
     }
     if (left != 0) march_wings(s, n, r, from, false, whole, kept, v);
-    for (size_t i = 0; i < n; i++) {
-        bool monotone = v->asked[i] < 0;
-        if (monotone) v->asked[i] = 0;
-        /* the rays that a march has answered: what their neighbours need is no matter */
-        const bool marched = v->evals[i] > (v->begun ? v->begun[i] : 0) || monotone;
-        if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] >= SEEN_AHEAD) continue;
-        double off = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
-        noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
-        /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
-         * two looks, and is asked for where t would be known to less than 2^-40 of it. */
-        if (v->noise[0][i] + v->noise[1][i] * (off * off) > 0x1p-40 * v->least[i] * fabs(v->seed[i]))
-            noise_about(s, HUGE_VAL, i, kept, v);
-    }
+    noises_of_marched(s, n, &r, profiled, kept, v, seen);
 }
 
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, slopes_known *near, const sgt_shared *whole,

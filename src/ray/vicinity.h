@@ -54,6 +54,10 @@
  * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
  * circle has decided.
  *
+ * THE PROFILE.  A q_con, q_bfs or odd asphere without a rim has a table of its profile (profile.c).  It is
+ * asked first of rays that leave the surface, and of those that begin so far out that no circle says
+ * anything; of others where the circle says too little.  It is made when the first ray needs it.
+ *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
  * and the surface: a ray in a batch has the same R as by itself.
@@ -63,23 +67,28 @@
 #ifndef SGT_RAY_VICINITY_H
 #define SGT_RAY_VICINITY_H
 
+#include "profile.h"
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
-enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, ALONGS = 4, WINGS_ROWS = 29,
+enum { BOXES = 16, VICINITIES = 16, NOISES = 32, RINGS = 80, RINGS_FEW = 28, ALONGS = 4, WINGS_ROWS = 29,
        VICINITY_ROWS = WINGS_ROWS, VICINITY_MOST = 64 /* rays at a time */ };
 typedef struct ring { double radius, steep; sgt_interval bent; double noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
+typedef struct rings_few { bool any; ring of[RINGS_FEW]; } rings_few;
 typedef struct box { double x, y, steep; sgt_by_axis axis; double noise[2]; bool noisy; } box;
 /* Of sgt_extent, what the stretch is made of; low and high are its z. */
 typedef struct known_part { double radius2, steep, low, high, steep_x, steep_y; } known_part;
 typedef struct vicinities {
-    box boxes[BOXES];
+    /* A sag with a profile has its table in place of boxes, and of most rings. */
+    union {
+        struct { rings rings; box boxes[BOXES]; };
+        struct { rings_few few; sgt_profile_table table; };
+    };
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     known_part part[VICINITIES];
-    rings rings;
     sgt_tails tails;
-    bool any_heights, any_boxes, any_bent, any_along;
+    bool any_heights, any_boxes, any_bent, any_along, any_table, has_table;
     sgt_interval bent; /* within the rim */
     double along[ALONGS][2]; /* of along.c */
     sgt_heights heights; /* of the whole surface */
@@ -112,6 +121,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
     v->rings.any = v->tails.any = v->any_heights = v->any_boxes = v->any_bent = v->any_along = false;
+    v->any_table = false;
 }
 
 SGT_INLINE void memo_begin(memo *m) { m->begun = true, slopes_begin(&m->near), vicinities_begin(&m->kept); }

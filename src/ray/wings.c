@@ -94,7 +94,7 @@
  *
  * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
  * the march would begin, and from where it has left a start.  What that leaves open is marched along from
- * where it has come to.  Types with a tail do not offer it: that says as much for less.
+ * where it has come to.  Of sags of r alone a table of the profile says it (profile.c).
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
@@ -104,6 +104,7 @@
 #include "tail.h"
 
 #include "../num/bits.h"
+#include "../surface/departure/departure.h"
 #include "../solve/step.h"
 
 #include <sagitta/interval.h>
@@ -343,11 +344,13 @@ static double wings_judge(rows w, size_t n, bool in_rings)
  * NaN if unknown; and noise[0] + noise[1] r^2, which the departure adds to the rounding. */
 static const ring *ring_about(sgt_surface s, double rung, rings *kept)
 {
+    const departure *of = s.ops->own_->departure;
+    const int places = of && of->profile ? RINGS_FEW : RINGS; /* the others are its table's */
     if (!kept->any)
-        for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
+        for (int i = 0; i < places; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of three octaves have a place each. */
-    ring *e = &kept->of[place_of(rung, FINER, RINGS)];
+    /* The rungs of two octaves or, of few, of one have a place each. */
+    ring *e = &kept->of[place_of(rung, FINER, places)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};
     double rim = s.ops->own_->rim(s.self);
@@ -797,11 +800,18 @@ static void begin_along(sgt_surface s, const sgt_rays *r, size_t count, const si
                        vicinities *kept, const vicinity *v)
 {
     double p[3][ALONG_ROWS], f[ALONG_ROWS], g[3][ALONG_ROWS], t[ALONG_ROWS];
-    size_t some = 0, off[ALONG_ROWS];
+    size_t some = 0, off[ALONG_ROWS] = {0};
     along_says said[ALONG_ROWS];
-    for (size_t j = 0; j < count; j++)
+    bool any = false;
+    for (size_t j = 0; j < count; j++) {
         for (int c = 0; c < 3; c++) p[c][j] = r->o[c][row[j]];
-    s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}}, (sgt_values){f, {g[0], g[1], g[2]}});
+        any |= begin[row[j]] == v->tmin[row[j]] &&
+               starts_low((sgt_vec3){p[0][j], p[1][j], p[2][j]}, begin[row[j]]);
+        f[j] = g[0][j] = g[1][j] = g[2][j] = 0; /* of none that is low */
+    }
+    if (any)
+        s.ops->values(s.self, count, (sgt_points){{p[0], p[1], p[2]}},
+                      (sgt_values){f, {g[0], g[1], g[2]}});
     for (size_t j = 0; j < count; j++) {
         size_t i = row[j];
         double terms = fabs(p[0][j] * g[0][j]) + fabs(p[1][j] * g[1][j]) + fabs(p[2][j]);
@@ -827,6 +837,19 @@ static void begin_along_all(sgt_surface s, size_t n, const sgt_rays *r, double e
         if (i < n && is_marched(v, edge, behind, begin[i], i)) row[count++] = i;
         if (count < ALONG_ROWS && i < n) continue;
         if (count > 0) begin_along(s, r, count, row, begin, kept, v);
+        count = 0;
+    }
+}
+
+void sgt_begin_by_profile(sgt_surface s, size_t n, const sgt_rays *r, double *from, vicinities *kept,
+                          const vicinity *v)
+{
+    const bool far = !s.ops->own_->departure->heights_first;
+    size_t row[ALONG_ROWS], count = 0;
+    for (size_t i = 0; i <= n; i++) {
+        if (i < n && fabs(from[i]) < HUGE_VAL && sgt_early(r, v, from, far, i)) row[count++] = i;
+        if (count < ALONG_ROWS && i < n) continue;
+        if (count > 0) begin_along(s, r, count, row, from, kept, v);
         count = 0;
     }
 }

@@ -51,6 +51,21 @@ SGT_INLINE int place_of(double rung, int digits, int places)
     return (int)((bits >> digits) % (unsigned)places);
 }
 
+/* Is the profile asked of this row before all else?  It leaves the surface, or, if that is asked, begins
+ * sixteen times as far from the axis as its seed is. */
+SGT_INLINE bool sgt_early(const sgt_rays *r, const vicinity *v, const double *from, bool far, size_t i)
+{
+    double t = v->seed[i], x = r->o[0][i] + t * r->d[0][i], y = r->o[1][i] + t * r->d[1][i],
+           x0 = r->o[0][i] + from[i] * r->d[0][i], y0 = r->o[1][i] + from[i] * r->d[1][i];
+    bool leaves = (from[i] > v->tmin[i]) | !(t >= v->tmin[i]),
+         afar = !(x0 * x0 + y0 * y0 < 256 * (x * x + y * y));
+    return (v->asked[i] > 0) & (leaves | (afar & far));
+}
+
+/* Asks the profile of these rows, from `from` on, which moves to where nothing is met before. */
+void sgt_begin_by_profile(sgt_surface s, size_t n, const sgt_rays *r, double *from, vicinities *kept,
+                          const vicinity *v);
+
 /* Marches along each row that is asked, from `from` on, and answers in v.  The rows of `from` may be among
  * those of v->work.  If the surface has an edge, only the rows that begin behind the seed are asked
  * (behind), or only the others.  Evaluations are counted in v, and told if v has a watcher. */

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Departures that are polynomials, without a rim, and all that a ray meets of them far out (src/ray/along.c).
 //
-// Random sags of many terms: powers of x and y, Zernike, Chebyshev and Q terms, sums; on bases that end, that
-// never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays come from
-// afar, pass by, or go out in any direction, with an end or without.  Two in five are shifted so that F
-// nearly touches zero somewhere, from a hundredth of the size to 10^-14 of it.
+// Random sags of many terms: powers of x and y, of r, Zernike, Chebyshev and Q terms, sums; on bases that
+// end, that never end, and on none.  Their wings reach from a millionth of the ray to 10^20 times it.  Rays
+// come from afar, pass by, or go out in any direction, with an end or without.  Two in five are shifted so
+// that F nearly touches zero somewhere, from a hundredth of the size to 10^-14 of it.
 //
 // The judge is F: 1500 points of the ray, evenly in the angle that the axis sees them at, and as many next to
-// the answer.  Where F in doubles changes its sign between two of them, F in 113 bits is asked at both.
+// the answer.  (Of sags of revolution some rays go through the axis, along it, or start on the sag or 10^14
+// away; src/ray/profile.c.)  Where F in doubles changes its sign between two of them, F in 113 bits is asked
+// at both.
 //     a miss    F has one sign from the start to the end, or to the edge of its domain
 //     a hit     F has one sign from the start up to it, and unlike signs on either side of it
 // What a watcher is told of the first stretches holds in 113 bits, up to their ends.
@@ -139,9 +141,23 @@ specimen wide(generator &g, int kind)
                                     numbers(n, static_cast<std::size_t>(g.uniform(1, 9)), one)})};
         break;
     case 3:
+    case 7:
         s.type = "q_con";
         s.s = {&sgt_q_con_ops, s.keep(sgt_q_con{c, k, 0, h, numbers(1, n, one)})};
         break;
+    case 5:
+        s.type = "q_bfs";
+        s.s = {&sgt_q_bfs_ops, s.keep(sgt_q_bfs{c, 0, h, numbers(1, n, one)})};
+        break;
+    case 6: {
+        s.type = "odd_asphere";
+        sgt_odd_asphere odd = {c, k, 0, {}};
+        const int first = g.chance(0.3) ? 0 : 2;
+        for (int i = first; i < static_cast<int>(n < 14 ? n + 2 : 16); i++)
+            if (!sparse || g.chance(0.4)) odd.a[i] = coefficient(g, strong * std::pow(h, -i - 1));
+        s.s = {&sgt_odd_asphere_ops, s.keep(odd)};
+        break;
+    }
     default: {
         s.type = "sum";
         sgt_even_asphere even = {0, 0, 0, {}};
@@ -167,6 +183,41 @@ sgt_ray drawn(generator &g, const specimen &s, const formula<double> &f)
                  back = g.chance(0.5) ? 0 : s.h * g.log_uniform(0.1, g.chance(0.3) ? 1e6 : 100),
                  end = g.chance(0.7) ? INFINITY : back + s.h * g.log_uniform(0.1, 100);
     return {{x - back * d.x, y - back * d.y, z0 + off - back * d.z}, d, 0, end};
+}
+
+// The same where symmetry is: through the axis to the last bit, along it, from 10^14 away; or from on the
+// sag.
+sgt_ray special(generator &g, const specimen &s, const formula<double> &f)
+{
+    sgt_ray r = drawn(g, s, f);
+    switch (static_cast<int>(g.uniform(0, 5))) {
+    case 0: {
+        const double back = std::ldexp(1.0, static_cast<int>(g.uniform(-4, 8))) * s.h;
+        r.o = {-back * r.d.x, -back * r.d.y, r.o.z};
+        break;
+    }
+    case 1:
+        r.d = {0, 0, g.sign()};
+        break;
+    case 2: { // nearly along it
+        const double by = g.log_uniform(1e-12, 1e-2);
+        r.d = {by * r.d.x, by * r.d.y, r.d.z};
+        break;
+    }
+    case 3: {
+        const double back = s.h * g.log_uniform(1e6, 1e14);
+        r.o = {r.o.x - back * r.d.x, r.o.y - back * r.d.y, r.o.z - back * r.d.z};
+        r.tmax = INFINITY;
+        break;
+    }
+    default: {
+        const sgt_hit h = sgt_intersect(s.s, r, nullptr);
+        if (h.status == SGT_HIT) r.o = h.p;
+        const double up = g.uniform(-1, 1), to = g.uniform(0, 6.2832), flat = std::sqrt(1 - up * up);
+        r.d = {flat * std::cos(to), flat * std::sin(to), up};
+    }
+    }
+    return r;
 }
 
 // Shifts a ray along z so that F nearly touches zero where |F| has a minimum, on this side of it or on that.
@@ -234,8 +285,9 @@ void check(generator &g, int kind, int surfaces, counts *all)
         std::vector<double> touched;
         std::vector<double> in[7], out[3];
         for (int i = 0; i < RAYS; i++) {
-            sgt_ray ray = drawn(g, s, rough);
-            touched.push_back(g.chance(0.4) ? touch(g, s, rough, ray) : NAN);
+            const bool apart = kind > 4 && g.chance(0.4);
+            sgt_ray ray = apart ? special(g, s, rough) : drawn(g, s, rough);
+            touched.push_back(!apart && g.chance(0.4) ? touch(g, s, rough, ray) : NAN);
             const double of[] = {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmax};
             rays.push_back(ray);
             for (int j = 0; j < 7; j++) in[j].push_back(of[j]);
@@ -350,7 +402,7 @@ int main()
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
     const int surfaces = static_cast<int>(60 * (scale ? std::atof(scale) : 0.5));
     generator g(seed);
-    for (int kind = 0; kind < 5; kind++) {
+    for (int kind = 0; kind < 8; kind++) {
         counts all = {};
         if (only && std::atoi(only) != kind) continue;
         check(g, kind, surfaces, &all);

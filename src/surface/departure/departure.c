@@ -111,7 +111,8 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 {
     double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
     s->of->at(s->self, 1, &at.x, &at.y, (sag_values){&p, &px, &py});
-    s->of->rounding(s->self, at.x, at.y, &p_err, &grad_err);
+    if (s->of->size_rounding) p_err = s->of->size_rounding(s->self, at.x, at.y);
+    else s->of->rounding(s->self, at.x, at.y, &p_err, &grad_err);
     if (s->base) {
         base e = base_at(s->c, s->k, at.x, at.y);
         sag = e.sag, sag_err = SGT_U * conic_sag_rounding(s->c, s->k, e.r2, e.sag, e.phi);

@@ -23,6 +23,7 @@
 
 #include "../../num/lanes.h"
 #include "../sag/poly.h"
+#include "profile.h"
 
 #include <sagitta/interval.h>
 
@@ -70,6 +71,9 @@ typedef struct departure {
      *
      * Derive it by running error analysis in the head of the file. */
     void (*rounding)(const void *self, double x, double y, double *p_err, double *grad_err);
+
+    /* *p_err of `rounding` alone, to the bit, at less cost.  NULL: `rounding` is asked. */
+    double (*size_rounding)(const void *self, double x, double y);
 
     /* Bounds of P over the region.  Returns
      *
@@ -153,6 +157,12 @@ typedef struct departure {
      * are at most these, at eight points.  It increases with both.  Asked of degrees below 40.  NULL: it is
      * not. */
     void (*along_noise)(const void *self, const double x[], const double y[], double out[]);
+
+    /* P as a function of r (ray/profile.c).  `tail` is offered.  false: too many terms; NULL: it is none. */
+    bool (*profile)(const void *self, sgt_profile *out);
+
+    /* With `profile`: set if the heights of rings are had for much less, and so are asked first. */
+    bool heights_first;
 
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);

@@ -201,6 +201,29 @@ static double odd_tail(const void *self, double radius)
     return radial_tail(power, 1, terms, a, NULL, false);
 }
 
+/* The least of the radii, but for factors of two, at which |a[i]| r^(i+1) is `times` r. */
+static double odd_reach(const double *a, size_t terms, int times)
+{
+    double least = HUGE_VAL;
+    for (size_t i = 1; i < terms; i++) {
+        if (a[i] == 0) continue;
+        int n = times - binary_exponent(a[i]), k = (int)i;
+        double r = power_of_two(n >= 0 ? n / k : -((k - 1 - n) / k));
+        least = r < least ? r : least;
+    }
+    return least;
+}
+
+static bool odd_profile(const void *self, sgt_profile *out)
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    const size_t terms = (size_t)odd_terms_of(a);
+    if (terms < 3) return false;
+    *out = (sgt_profile){.terms = terms + 1, .core = odd_reach(a, terms, -6), .from = odd_reach(a, terms, 4)};
+    for (size_t i = 0; i < terms; i++) out->c[i + 1] = a[i], out->size[i + 1] = fabs(a[i]);
+    return out->core > 0x1p-300 && out->from < 0x1p300;
+}
+
 SGT_KERNEL
 static void odd_second(size_t n, int terms, const double *a, const double *restrict x,
                        const double *restrict y, double *restrict pxx, double *restrict pxy,
@@ -274,6 +297,7 @@ static const departure odd_asphere_departure = {
     .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = sgt_odd_bend,
     .parameters = odd_parameters, .by_parameter = sgt_odd_by_parameter, .object = odd_object,
     .noise = odd_noise,
-    .noises = odd_noises, .tail = odd_tail};
+    .noises = odd_noises, .tail = odd_tail, .profile = odd_profile,
+    .heights_first = true};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -75,7 +75,6 @@ SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n,
 
 /* s >= f |p_m|, ds >= f |v p_m'|, where the factor f may depend on v. */
 typedef struct q_weight { double s, ds; } q_weight;
-typedef q_weight q_weights(size_t m, double v);
 
 /* S and S'; f times the error of S of q_sum, and f v times that of its S'.  v is exact.  b_err: the errors
  * of b; NULL: b is exact.  step_err: the error of alpha, beta and gamma, in u.
@@ -84,13 +83,13 @@ typedef q_weight q_weights(size_t m, double v);
  * errors.  That changes the bound by u times as much. */
 typedef struct q_rounded { double s, ds, s_err, ds_err; } q_rounded;
 
-SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, const double *b,
+SGT_INLINE q_rounded q_rounding(q_steps *step, const q_weight *weights, size_t terms, const double *b,
                                 const double *b_err, double step_err, double v)
 {
     double s = 0, ds = 0, s2 = 0, ds2 = 0, s_err = 0, ds_err = 0;
     for (size_t m = terms; m-- > 0;) {
         q_step e = step(m);
-        q_weight w = weigh(m, v);
+        q_weight w = weights[m];
         double t = e.beta * v + e.alpha, t_err = fabs(t) + step_err * (fabs(e.alpha) + fabs(e.beta * v));
         double h = b[m] - e.gamma * s2, dh = e.beta * s - e.gamma * ds2, sm = t * s + h, dsm = t * ds + dh;
         double err = SGT_U * (t_err * fabs(s) + step_err * fabs(e.gamma * s2) + fabs(h) + fabs(sm)) +
@@ -116,6 +115,9 @@ SGT_INLINE double q_power(double w, size_t n)
         if (n % 2) p *= w;
     return p;
 }
+
+/* T_n(u), u > 1, from the power n of q_growth: what such a polynomial is at most. */
+SGT_INLINE double q_most(double power) { return 0.5 * (power + 1 / power); }
 
 /* What underflows in a bound of one term.  It is negligible by itself, but the coefficient may be large. */
 #define Q_LOST 0x1p-1040

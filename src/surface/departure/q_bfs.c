@@ -140,17 +140,42 @@ static double bfs_tail(const void *self, double radius)
     return -radial_tail(size, 0, terms, b, b_err, true);
 }
 
-/* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
-static q_weight bfs_weigh(size_t m, double v)
+/* p_m = sin M t / sin t = M - M (M^2 - 1) v / 3! + M (M^2 - 1) (M^2 - 9) v^2 / 5! - ... */
+static bool bfs_profile(const void *self, sgt_profile *out)
 {
-    double u = sqrt(v), M = 2 * (double)m + 1;
-    if (u > 1) {
-        far_sine e = far_sine_of(2 * m + 1, u);
-        return (q_weight){e.t * (1 + 0x1p-40), 0.5 * (u * (M * e.s) + e.t) * (1 + 0x1p-40)};
+    const sgt_q_bfs *s = self;
+    double b[Q_TERMS], b_err[Q_TERMS];
+    const size_t terms = q_terms(s->a);
+    if (terms == 0 || terms + 2 > PROFILE_TERMS) return false;
+    basis(s->a, b, b_err);
+    *out = (sgt_profile){
+        .terms = terms + 2, .norm2 = s->norm * s->norm, .bent = s->c * s->c, .from = s->norm};
+    for (size_t m = 0; m < terms; m++) {
+        double M = 2 * (double)m + 1, term = M, most = fabs(b[m]) + 0x1p46 * b_err[m];
+        for (size_t j = 0; j <= m; j++) {
+            double odd = 2 * (double)j + 1, by = b[m] * term, size = most * fabs(term);
+            out->c[j + 1] += by, out->size[j + 1] += size, out->c[j + 2] -= by, out->size[j + 2] += size;
+            term *= (odd - M) * (odd + M) / ((odd + 1) * (odd + 2));
+        }
     }
-    double cosine = sqrt(larger(1 - v, 0)), sine = 1.5708 * M * u;
-    if (!(sine < 1)) sine = 1;
-    return (q_weight){sine, 0.5 * (M * u * (M * cosine < 1 ? M : 1 / cosine) + sine)};
+    return true;
+}
+
+/* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
+static void bfs_weigh(size_t terms, double v, q_weight *weights)
+{
+    double u = sqrt(v), cosine = sqrt(larger(1 - v, 0));
+    far_sine e = far_sine_of(1, u); /* read beyond 1 */
+    for (size_t m = 0; m < terms; m++) {
+        double M = 2 * (double)m + 1, sine = 1.5708 * M * u;
+        if (u > 1) {
+            weights[m] = (q_weight){e.t * (1 + 0x1p-40), 0.5 * (u * (M * e.s) + e.t) * (1 + 0x1p-40)};
+            e = far_sine_next(far_sine_next(e, u), u);
+            continue;
+        }
+        if (!(sine < 1)) sine = 1;
+        weights[m] = (q_weight){sine, 0.5 * (M * u * (M * cosine < 1 ? M : 1 / cosine) + sine)};
+    }
 }
 
 static bounds bfs_all_bounds(const sgt_q_bfs *s, double r)
@@ -240,7 +265,9 @@ static void bfs_rounding(const void *self, double x, double y, double *p_err, do
     double b[Q_TERMS], b_err[Q_TERMS], r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm),
                                        u = r / s->norm, c = s->c;
     size_t terms = basis(s->a, b, b_err);
-    q_rounded S = q_rounding(bfs_step, bfs_weigh, terms, b, b_err, 0, v);
+    q_weight weights[Q_TERMS];
+    bfs_weigh(terms, v, weights);
+    q_rounded S = q_rounding(bfs_step, weights, terms, b, b_err, 0, v);
     sgt_q_bfs flat = *s;
     flat.c = 0;
     bounds T = bfs_all_bounds(&flat, r * (1 + 0x1p-40));
@@ -292,7 +319,7 @@ static void bfs_noise(const void *self, double radius, double e[2])
     double b[Q_TERMS], b_err[Q_TERMS], grown = q_growth(radius / s->norm), sum = 0, size = 0,
                                        cr2 = s->c * radius * (s->c * radius), w = 1 - cr2 * (1 + 0x1p-40);
     for (size_t m = 0, terms = basis(s->a, b, b_err); m < terms; m++) {
-        double k = (double)m + 1, power = q_power(grown, 2 * m + 4);
+        double k = (double)m + 1, power = q_most(q_power(grown, 2 * m + 4));
         sum += ((1.31 * k * k + 12) * k * SGT_U * fabs(b[m]) + (2 * k - 1) * b_err[m]) * power;
         size += (2 * k - 1) * fabs(b[m]) * power;
     }
@@ -377,7 +404,8 @@ static sgt_objection bfs_object(const void *self)
 static const departure q_bfs_departure = {
     .at = bfs_at, .rounding = bfs_rounding, .bounds = bfs_bounds_over, .range = bfs_range,
     .second = sgt_q_bfs_second, .parameters = bfs_parameters, .by_parameter = sgt_q_bfs_by_parameter,
-    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail};
+    .object = bfs_object, .noise = bfs_noise, .by_curvature = by_curvature, .tail = bfs_tail,
+    .profile = bfs_profile};
 
 static departure_sag on_sphere(const sgt_q_bfs *s)
 {

@@ -91,6 +91,26 @@ static double con_tail(const void *self, double radius)
     return radial_tail(size, 0, terms, s->a.x, NULL, false);
 }
 
+/* Q_m = (-1)^m B4 2F1(-m, m + 5; 5; v), as P_m^(0,4)(x) = (-1)^m P_m^(4,0)(-x) (Szego 1975, 4.1.3 and
+ * 4.21.2). */
+static bool con_profile(const void *self, sgt_profile *out)
+{
+    const sgt_q_con *s = self;
+    const size_t terms = q_terms(s->a);
+    if (terms == 0 || terms + 2 > PROFILE_TERMS) return false;
+    *out = (sgt_profile){.terms = terms + 2, .norm2 = s->norm * s->norm, .from = s->norm};
+    for (size_t m = 0; m < terms; m++) {
+        double k = (double)m, a = s->a.x[m], b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24,
+               term = m % 2 ? -a * b4 : a * b4;
+        for (size_t j = 0; j <= m; j++) {
+            double i = (double)j;
+            out->c[j + 2] += term, out->size[j + 2] += fabs(term);
+            term *= -(k - i) * (k + 5 + i) / ((5 + i) * (1 + i));
+        }
+    }
+    return true;
+}
+
 static int con_bounds_over(const void *self, region *where, bounds *out)
 {
     *out = con_all_bounds(self, where->r_hi);
@@ -129,18 +149,38 @@ static void con_at(const void *self, size_t n, const double *x, const double *y,
 
 /* v is off by 4 u v, which is 2 u r in r.  That moves P by P' times as much.  It moves the gradient, r G,
  * by 2 u r |P'' - G|. */
+typedef struct con_off { double p, slope, slope_err; } con_off;
+
+static con_off con_off_at(const sgt_q_con *s, double r2, double r)
+{
+    double v = r2 / (s->norm * s->norm);
+    const size_t terms = q_terms(s->a);
+    q_weight weights[Q_TERMS];
+    for (size_t m = 0; m < terms; m++) weights[m] = con_weigh(m, v);
+    q_rounded e = q_rounding(con_step, weights, terms, s->a.x, NULL, 1, v);
+    double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner),
+           p = fabs(v * (v * e.s)),
+           slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0,
+           off = 1.01 * (e.s_err + 2 * SGT_U * p + 2 * SGT_U * r * (v > 0 ? slope + slope_err : 0));
+    return (con_off){off, slope, slope_err};
+}
+
 static void con_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_con *s = self;
-    double r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm);
-    q_rounded e = q_rounding(con_step, con_weigh, q_terms(s->a), s->a.x, NULL, 1, v);
+    double r2 = x * x + y * y, r = sqrt(r2);
+    con_off e = con_off_at(s, r2, r);
     bounds b = con_all_bounds(s, r * (1 + 0x1p-40));
-    double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner),
-           p = fabs(v * (v * e.s));
-    double slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0;
-    *p_err = 1.01 * (e.s_err + 2 * SGT_U * p + 2 * SGT_U * r * (v > 0 ? slope + slope_err : 0));
-    *grad_err = 1.01 * (slope_err + 4 * SGT_U * r * b.bend);
+    *p_err = e.p, *grad_err = 1.01 * (e.slope_err + 4 * SGT_U * r * b.bend);
     if (b.size > 0) *p_err += 0x1p-1000, *grad_err += 0x1p-1000;
+}
+
+/* Where a term is not 0, its bound is not. */
+static double con_size_rounding(const void *self, double x, double y)
+{
+    const sgt_q_con *s = self;
+    double r2 = x * x + y * y, r = sqrt(r2), off = con_off_at(s, r2, r).p;
+    return r > 0 && q_terms(s->a) > 0 ? off + 0x1p-1000 : off;
 }
 
 /* What q_rounding and the rest of `rounding` would sum to for a[m] = 1, over v.  Its maximum over v <= 1
@@ -152,7 +192,7 @@ static void con_noise(const void *self, double radius, double e[2])
     double grown = q_growth(radius / s->norm), sum = 0;
     for (size_t m = 0, terms = q_terms(s->a); m < terms; m++) {
         double square = ((double)m + 1) * ((double)m + 1);
-        sum += fabs(s->a.x[m]) * square * (12.5 + square / 30) * q_power(grown, 2 * m + 4);
+        sum += fabs(s->a.x[m]) * square * (12.5 + square / 30) * q_most(q_power(grown, 2 * m + 4));
     }
     e[0] = 0, e[1] = 1.01 * SGT_U * sum / (s->norm * s->norm);
 }
@@ -225,7 +265,7 @@ static sgt_objection con_object(const void *self)
 static const departure q_con_departure = {
     .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = sgt_q_con_second,
     .parameters = con_parameters, .by_parameter = sgt_q_con_by_parameter, .object = con_object,
-    .noise = con_noise,
-    .tail = con_tail, .bent = q_con_bent};
+    .noise = con_noise, .size_rounding = con_size_rounding,
+    .tail = con_tail, .bent = q_con_bent, .profile = con_profile};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

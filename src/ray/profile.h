@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+/* profile.h - a sag that depends on r alone: what a table of its profile says of whole rays (profile.c). */
+#ifndef SGT_RAY_PROFILE_H
+#define SGT_RAY_PROFILE_H
+
+#include "../surface/departure/profile.h"
+
+#include <sagitta/interval.h>
+
+#include <stdbool.h>
+
+/* The rings between q = r^2 of one node and of the next.  What is said of a ring holds as far as 2^-10 of its
+ * width beyond it.
+ *
+ *     sag, off               at the node, and how far F may be off there by all that is rounded, but for z
+ *     slope, bend            of the ring: what the first and the second derivative by q lie in
+ *     core                   is the first ring known by these alone: `steep`, a bound on |ds/dr|, and `bent`,
+ *                            what the second derivative in any direction lies in
+ *     edge, low, high        where the base ends (r^2; infinite: nowhere), and what the sag lies in from the
+ *                            last node to there
+ *
+ * Nodes behind the last repeat it. */
+enum { PROFILE_NODES = 64 };
+typedef double profile_row[PROFILE_NODES];
+typedef struct sgt_profile_table {
+    sgt_profile of;
+    double c, k1, steep, edge, low, high;
+    sgt_interval bent;
+    bool core;
+    size_t nodes;
+    profile_row q, sag, off, slope_lo, slope_hi, bend_lo, bend_hi;
+} sgt_profile_table;
+
+#endif
