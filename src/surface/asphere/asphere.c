@@ -57,9 +57,10 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
 }
 
 /* Does the form from the side have the first word? */
-SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+SGT_NOINLINE static bool grazes_at(const wavy *s, const sgt_ray *ray)
 {
-    return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;
+    const convex b = convex_of(s);
+    return grazes(s, &b, ALL_TERMS, ray) != 0;
 }
 
 /* How far the rounds of a ray have come. */
@@ -109,7 +110,7 @@ static easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
-    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_GRAZES;
+    if (first && s->side && wavy_along(ray) && grazes_at(s, ray)) return EASY_GRAZES;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
@@ -144,6 +145,7 @@ typedef struct wavy_room {
     double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE];
     mask again[SGT_TILE];
     lane_ends ends;
+    bool grazes; /* some do */
 } wavy_room;
 
 /* Removes the hits whose side of the rim is not certain.  Returns all bits set if none was removed. */
@@ -354,40 +356,32 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     return all;
 }
 
-/* The rays that graze do not begin. */
-SGT_INLINE void lane_grazing(const wavy *self, double bent2, int terms, const sgt_tile *tile, wavy_room *room)
+/* The rays that graze do not begin.  Returns all bits set if there are such. */
+SGT_KERNEL
+static mask asphere_lanes_grazing(const wavy *self, const convex *bent, const sgt_tile *tile, wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        mask grazes = wavy_grazes(s, bent2, terms, room->x[i], room->y[i], &ray);
-        room->from[i] = chosen(grazes, (double)NAN, room->from[i]);
+        const mask is = grazes(s, b, ALL_TERMS, &ray);
+        room->from[i] = chosen(is, (double)NAN, room->from[i]);
+        any |= is;
     }
-}
-
-SGT_KERNEL
-static void asphere_lanes_few_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
-{
-    lane_grazing(s, bent2, FEW_TERMS, tile, room);
-}
-
-SGT_KERNEL
-static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
-{
-    lane_grazing(s, bent2, ALL_TERMS, tile, room);
+    return any;
 }
 
 /* convex_of, once in the code of the loops. */
 SGT_NOINLINE static void tile_bend_of(const wavy *s, convex *b) { *b = convex_of(s); }
 
-SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+SGT_NOINLINE static mask without_grazing(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
     convex b;
     tile_bend_of(s, &b);
-    const double bent2 = b.bent2;
-    (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
+    return asphere_lanes_grazing(s, &b, tile, room);
 }
 
 /* THE BOUND of easy.h for the rays from `begin` to `end`; some: but for those that have one by constants
@@ -456,7 +450,7 @@ SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *t
     return any;
 }
 
-/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or wavy_grazes may have
+/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or `grazes` may have
  * something to say. */
 SGT_INLINE mask lane_begin(const wavy *self, int terms, bool first, bool at_once, const sgt_tile *tile,
                            wavy_room *room)
@@ -582,7 +576,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             const sgt_ray ray = lane_ray_of(&rows, i);
             room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
         }
-    if (odd && s->side) without_grazing(self, terms, tile, room);
+    room->grazes = odd && s->side && without_grazing(self, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */
@@ -744,10 +738,11 @@ SGT_NARROW(sgt_hit, sgt_asphere_first,
     easy_answer is = EASY_NOT;
     if (done) is = easy_judged(&v, &h, opt->pick != SGT_NEAR_SEED, done, ray, opt->t_tol, &e);
     else if (tried) is = easy(&v, &h, ray, &e, &w);
-    const bool grazes = is == EASY_GRAZES;
-    if (grazes) is = EASY_NOT;
-    if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
-    const bool spared = grazes && is == EASY_NOT && !w.stopped && w.evals + MOST_EASY < w.budget;
+    const bool grazing = is == EASY_GRAZES;
+    if (grazing) is = EASY_NOT;
+    if (is == EASY_NOT && tried && v.side && !w.stopped)
+        is = sgt_asphere_beside(&v, &h, grazing, ray, &e, &w);
+    const bool spared = grazing && is == EASY_NOT && !w.stopped && w.evals + MOST_EASY < w.budget;
     if (spared && !passes_by(&h, ray)) v.side = false, is = easy(&v, &h, ray, &e, &w); /* the rounds */
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
@@ -982,35 +977,20 @@ SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool nea
             near ? asphere_lanes_few_near_rich(v, tile, &room) : asphere_lanes_few_first_rich(v, tile, &room);
     else
         hard = near ? asphere_lanes_few_near(v, tile, &room) : asphere_lanes_few_first(v, tile, &room);
+    tried->some = room.grazes;
     for (size_t i = 0; hard && i < tile->n; i++)
         tried->begun[i] = room.from[i] == room.from[i], tried->ended[i] = room.tau[i] == room.tau[i];
     return hard;
 }
 
-/* Do all rays of a tile graze, so that none begins?  (wavy_begin and wavy_hopeless do not matter then.) */
-SGT_KERNEL
-static mask asphere_lanes_graze(const wavy *self, double bent2, const sgt_tile *tile)
-{
-    const sgt_rays rows = tile->rays;
-    const wavy own = *self, *s = &own;
-    size_t count = tile->n;
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        const vertex_place at = to_vertex_plane(&ray);
-        all &= wavy_grazes(s, bent2, ALL_TERMS, at.x, at.y, &ray);
-    }
-    return all;
-}
-
-/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze. */
-SGT_NOINLINE static bool asphere_all_graze(const wavy *v, double bent2, const sgt_tile *tile,
-                                           easy_tried *tried)
+/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze: else
+ * none begins.  (wavy_begin and wavy_hopeless do not matter then.) */
+SGT_NOINLINE static bool asphere_none_begins(const wavy *v, int terms, const convex *b, const sgt_tile *tile,
+                                             easy_tried *tried)
 {
     const size_t n = tile->n;
-    sgt_tile one = *tile;
-    one.n = 1;
-    if (!asphere_lanes_graze(v, bent2, &one) || !asphere_lanes_graze(v, bent2, tile)) return false;
+    tried->all = sgt_asphere_lanes_graze(v, b, terms, tile, tried);
+    if (!tried->all) return false;
     lane_nothing(tile);
     memset(tile->hits.status, SGT_HARD, n);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 4;
@@ -1023,6 +1003,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     const sgt_even_asphere *s = self;
     wavy v;
     easy_tried tried;
+    tried.all = tried.some = false;
     int terms = asphere_terms_of(s);
     bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
@@ -1038,7 +1019,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             convex b;
             if (along) tile_bend_of(&v, &b);
             size_t hard = tile->n;
-            if (!along || !asphere_all_graze(&v, b.bent2, tile, &tried))
+            if (!along || !asphere_none_begins(&v, terms, &b, tile, &tried))
                 hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && v.side;

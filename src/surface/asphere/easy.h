@@ -116,7 +116,7 @@ typedef struct wavy {
     double domain2;           /* r^2 of the rim or the equator */
     double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
-    bool side;                /* what is left goes to the form from the side: GRAZING */
+    bool side;                /* what is left goes to the form from the side: GRAZING in side.h */
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
     /* BY CONSTANTS.  disc: D, or -1.  wide: 2 F + |c|; n1 a + 1.25 n^2 = N2; m1 a + m2 N2 = 2 M; e with u.
@@ -461,24 +461,6 @@ SGT_INLINE mask wavy_first_within(const wavy *s, double t0, double x0, double y0
            start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     return MASK(larger(start2, root2) <= s->disc) & MASK(t - tmin > 0x1p-20 * fabs(t)) &
            MASK(fabs(start) < HUGE_VAL) & MASK(n * n > s->first * a);
-}
-
-/* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
- * than 14 degrees from it, or not at all, the rounds mostly end in doubt: about t, or about which root is the
- * first.  Then the form from the side (side.h), which is dearer by itself, is asked after them.  So it is
- * asked at once, if it has an answer for nearly all such rays:
- * - the slope at the start is too great for wavy_first_from, or
- * - the surface is bent in one way as far out as the start (bent2: up to which r^2).
- * This is a choice between forms each of which is certain; a ray that the form from the side leaves makes the
- * rounds after all, alone.  (x, y): where the ray meets the vertex plane. */
-SGT_INLINE mask wavy_grazes(const wavy *s, double bent2, int terms, double x, double y, const sgt_ray *ray)
-{
-    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
-           B = sgt_fma(-s->c, x * l + y * m, n), C = s->c * (x * x + y * y), D = sgt_fma(B, B, -A * C),
-           r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
-    return wavy_along(ray) & MASK(16 * D < a + n2) & ~wavy_single(s, l, m, n) &
-           (MASK(r2 <= bent2) | MASK(!(n2 > wavy_slope2(s, terms, r2) * a)));
 }
 
 /* The root, for lane_of. */
