@@ -114,7 +114,7 @@ static easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
-        q = wavy_bound_either(s, ALL_TERMS, &r, &half, ray, t_tol);
+        q = wavy_bound_either(s, ALL_TERMS, &r, &half, i + 1 == ROUNDS, ray, t_tol);
         observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
@@ -143,7 +143,7 @@ typedef struct wavy_room {
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
         v[SGT_TILE], near[SGT_TILE];
     double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE];
-    mask again[SGT_TILE];
+    mask again[SGT_TILE], next[SGT_TILE];
     lane_ends ends;
     bool grazes; /* some do */
 } wavy_room;
@@ -428,11 +428,36 @@ LANES_BOUND(asphere_lanes_few_bound_some, FEW_TERMS, true)
 LANES_BOUND(asphere_lanes_all_bound, ALL_TERMS, false)
 LANES_BOUND(asphere_lanes_all_bound_some, ALL_TERMS, true)
 
-/* The same of a whole tile, for the parts of it in which some ray has no bound by constants. */
-SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+/* Of the rays that have no bound by constants (again[i] is 0): which do not want another one, as they are to
+ * make a round more (wavy_nears, into `next`), or have not begun?  Then again[i] is set. */
+SGT_KERNEL
+static mask asphere_lanes_nears(const wavy *self, bool last, const sgt_tile *tile, wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const mask more = MASK(!last);
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const wavy_newton h = {.tau2 = room->tau2[i], .step2 = room->step2[i]};
+        const mask had = room->again[i],
+                   next = ~had & more & wavy_nears(s, room->x[i], room->y[i], &h, room->tau[i], &ray);
+        room->next[i] = next, room->again[i] = had | next | ~MASK(room->from[i] == room->from[i]);
+        any |= next;
+    }
+    return any;
+}
+
+/* The same of a whole tile, for the parts of it in which some ray has no bound by constants.  last: no other
+ * round may follow. */
+SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, bool last, const sgt_tile *tile,
+                                     wavy_room *room)
 {
     enum { PART = 16 };
-    mask any = 0;
+    mask any = asphere_lanes_nears(s, last, tile, room);
+    const mask nears = any;
     size_t from = 0;
     for (size_t i = 0; i < tile->n; i += PART) {
         const size_t end = i + PART < tile->n ? i + PART : tile->n;
@@ -447,6 +472,7 @@ SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *t
             from = end;
         }
     }
+    for (size_t i = 0; nears && i < tile->n; i++) room->again[i] |= room->next[i];
     return any;
 }
 
@@ -523,7 +549,7 @@ SGT_INLINE int lane_rounds(const wavy *self, int terms, const sgt_tile *tile, wa
                 every &= is;
             }
             if (every) break;
-            any = lane_bounds(self, terms, tile, room);
+            any = lane_bounds(self, terms, rounds == ROUNDS, tile, room);
         } else
             any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0,
                                                                                           count);
@@ -809,10 +835,11 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     at.q = (wavy_round){.tau = r.tau, .again = MASK(true)};
     for (int i = 0; i < ROUNDS && at.q.again; i++) {
         wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
-        at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
+        const bool last = i + 1 == ROUNDS;
+        at.q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
         if (at.q.again && s->domain2 == HUGE_VAL) {
             s->domain2 = domain2_within(h.c, h.k, h.rim2);
-            at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
+            at.q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
         }
         at.inverse = half.inverse, at.evals += 2;
     }
@@ -991,7 +1018,8 @@ SGT_NOINLINE static bool asphere_none_begins(const wavy *v, int terms, const con
     const size_t n = tile->n;
     tried->all = sgt_asphere_lanes_graze(v, b, terms, tile, tried);
     if (!tried->all) return false;
-    lane_nothing(tile);
+    for (size_t i = 0; i < n; i++) tried->some |= tried->asked[i] != 0;
+    if (!tried->some) lane_nothing(tile); /* else graze.h writes all rays */
     memset(tile->hits.status, SGT_HARD, n);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 4;
     memset(tried->begun, 0, n * sizeof *tried->begun), memset(tried->ended, 0, n * sizeof *tried->ended);

@@ -357,14 +357,26 @@ SGT_INLINE wavy_round wavy_bound_within(const wavy *s, double x0, double y0, dou
                         .g = there->g};
 }
 
-/* A round of a single ray: by constants if they have an answer. */
+/* Have the constants no answer because the steps were too long, so that they have one after another round?
+ * tau: of that round.  (A choice: then THE BOUND, as dear as a round, is not asked.) */
+SGT_INLINE mask wavy_nears(const wavy *s, double x0, double y0, const wavy_newton *at, double tau,
+                           const sgt_ray *ray)
+{
+    const double left = fabs(at->tau2 - tau);
+    return wavy_within(s, x0, y0, tau, ray) & MASK(left <= 0x1p-6 * fabs(at->step2)) &
+           MASK(left > 0x1p-38 * fabs(tau));
+}
+
+/* A round of a single ray: by constants if they have an answer.  last: no other may follow. */
 SGT_INLINE wavy_round wavy_bound_either(const wavy *s, int terms, const wavy_start *r, const wavy_newton *at,
-                                        const sgt_ray *ray, double t_tol)
+                                        bool last, const sgt_ray *ray, double t_tol)
 {
     if (s->disc > 0) {
         const wavy_second there = wavy_second_of(s, terms, r->x, r->y, at->tau2, ray);
         wavy_round q = wavy_bound_within(s, r->x, r->y, r->t0, at, &there, ray);
         if (q.tau_err == q.tau_err) return q;
+        q.again = MASK(true);
+        if (!last && wavy_nears(s, r->x, r->y, at, q.tau, ray)) return q;
     }
     return wavy_bound(s, terms, r->x, r->y, r->t0, at, ray, t_tol);
 }

@@ -725,12 +725,8 @@ size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, 
     beside_room r;
     const beside of = {s, b, h->terms <= FEW_TERMS, first};
     size_t hard = 0;
-    if (tried->all) {
-        mask asked = 0;
-        for (size_t i = 0; i < tile->n; i++) asked |= tried->asked[i];
-        if (asked) before = graze_tile(&of, tile, tried);
-    } else if (tried->some)
-        before = beside_few(&of, true, tile, tried->begun, &r);
+    if (tried->some)
+        before = tried->all ? graze_tile(&of, tile, tried) : beside_few(&of, true, tile, tried->begun, &r);
     if (before == 0) return 0;
     if (before < tile->n) return beside_few(&of, false, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {

@@ -77,7 +77,7 @@
 #include "easy.h"
 
 /* Evaluations: both ends, the start, the steps, the bound, and SHARP; before them those of graze.h. */
-enum { SIDE_STEPS = 12, GRAZE_STEPS = 7, SIDE_LOOKS = SIDE_STEPS + 5 + GRAZE_STEPS + 1, GRAZES = 16 };
+enum { SIDE_STEPS = 12, GRAZE_STEPS = 7, SIDE_LOOKS = SIDE_STEPS + 5 + GRAZE_STEPS + 1 };
 
 /* What all rays of a surface share.
  *
@@ -593,7 +593,7 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
 }
 
 /* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
- * than GRAZES from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which root is
+ * than 14 degrees from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which root is
  * the first.  Then the form from the side, which is dearer by itself, is asked after them.  So it is
  * asked at once, if it has an answer for nearly all such rays:
  * - the surface is bent in one way as far out as the start, or as far as it goes (graze_bent; graze.h has the
@@ -616,12 +616,11 @@ SGT_INLINE graze_conic graze_conic_of(const wavy *s, const convex *b, const sgt_
     return (graze_conic){B, C, sgt_fma(B, B, -A * C)};
 }
 
-/* Does the ray run along, meet that conic at a small angle, and begin? */
+/* Does the ray run along, meet that conic at less than 14 degrees, and begin? */
 SGT_INLINE mask graze_flat(const wavy *s, const graze_conic *q, const sgt_ray *ray)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double a = l * l + m * m;
-    return wavy_along(ray) & MASK(GRAZES * q->D < a + n * n) & ~wavy_single(s, l, m, n) &
+    return wavy_along(ray) & MASK(16 * q->D < (l * l + m * m) + n * n) & ~wavy_single(s, l, m, n) &
            MASK(ray->tmin > -HUGE_VAL);
 }
 
@@ -659,7 +658,7 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
 bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
 
 /* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
-/* some: some of them graze; all: all of them do, and t, asked are those of a graze_seed. */
+/* some: some of them may be asked by graze.h; all: all of them graze, and t, asked are those of a graze_seed. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE], some, all;
     double t[SGT_TILE];
