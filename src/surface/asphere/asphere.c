@@ -111,6 +111,11 @@ static easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
     if (first && s->side && wavy_along(ray) && grazes_at(s, ray)) return EASY_GRAZES;
+    if (s->disc == STRONG && r.tau == r.tau && !w->stopped) {
+        q.tau = wavy_strong(s, ALL_TERMS, r.x, r.y, r.tau, ray);
+        observe(h, from, w, &at, r.tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        if (!w->stopped) observe(h, from, w, &at, q.tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+    }
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
@@ -574,6 +579,30 @@ static int asphere_lanes_all_rounds(const wavy *s, const sgt_tile *tile, wavy_ro
     return lane_rounds(s, ALL_TERMS, tile, room, extra);
 }
 
+/* STRONG TERMS: one more step. */
+SGT_INLINE void lane_strong(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        room->from[i] = wavy_strong(s, terms, room->x[i], room->y[i], room->from[i], &ray);
+    }
+}
+
+SGT_KERNEL
+static void asphere_lanes_few_strong(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    lane_strong(s, FEW_TERMS, tile, room);
+}
+SGT_KERNEL
+static void asphere_lanes_all_strong(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    lane_strong(s, ALL_TERMS, tile, room);
+}
+
 #define LANES_BEGIN(name, terms, first)                                                              \
     SGT_KERNEL static mask name(const wavy *s, const sgt_tile *tile, wavy_room *room)                \
     {                                                                                                \
@@ -610,6 +639,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         lane_nothing(tile);
         return lane_told(tile, &room->ends, 4, 0);
     }
+    const int evals = 4 + (self->disc == STRONG ? 2 : 0);
+    if (self->disc == STRONG) (terms > FEW_TERMS ? asphere_lanes_all_strong : asphere_lanes_few_strong)(self, tile, room);
     int extra[SGT_TILE];
     const int rounds = (terms > FEW_TERMS ? asphere_lanes_all_rounds : asphere_lanes_few_rounds)(
         self, tile, room, extra);
@@ -622,7 +653,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
     if (s->proof) all &= asphere_sure_all(self, tile, room);
-    size_t hard = lane_told(tile, &room->ends, 4, all);
+    size_t hard = lane_told(tile, &room->ends, evals, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
     return 24 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
@@ -806,14 +837,17 @@ SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const s
     return wavy_single(&v, ray->d.x, ray->d.y, ray->d.z) != 0;
 }
 
+static sgt_hit meet_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
+static sgt_hit prove_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
+
 /* The easy form, with a number of terms that the compiler knows: those that are 0 change no bit.  There is no
  * watcher, and the budget suffices.  The ray has not been checked, but its direction is usual.  One that is
  * met is valid, as wavy_end finds it between its ends and within the rim; and so is the surface.
  *
  * What takes roots and quotients of the surface's numbers is worked out only where it decides: the domain
  * where a round has not ended, and the limit of wavy_single where single_at_most has not told. */
-SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
-                               const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof, bool rounds,
+                                  const sgt_ray *ray, const sgt_options *opt)
 {
     shape h = {.c = self->c, .k = self->k, .ck = (1 + self->k) * self->c, .terms = most, .a = self->a,
                .rim2 = rim2_of(self->semi_diameter), .domain2 = HUGE_VAL};
@@ -829,41 +863,53 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
         return sgt_asphere_first(self, terms, NULL, ray, opt);
     double g, slope;
     const vertex_place vertex = to_vertex_plane(ray);
-    easy_rounds at = {.r = wavy_begin(s, most, &vertex, ray, &g, &slope), .evals = 1};
-    const wavy_start r = at.r;
+    const wavy_start r = wavy_begin(s, most, &vertex, ray, &g, &slope);
+    int evals = 1;
     if (!(r.tau == r.tau)) return sgt_asphere_first(self, terms, NULL, ray, opt);
-    at.q = (wavy_round){.tau = r.tau, .again = MASK(true)};
-    for (int i = 0; i < ROUNDS && at.q.again; i++) {
-        wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
-        const bool last = i + 1 == ROUNDS;
-        at.q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
-        if (at.q.again && s->domain2 == HUGE_VAL) {
-            s->domain2 = domain2_within(h.c, h.k, h.rim2);
-            at.q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
-        }
-        at.inverse = half.inverse, at.evals += 2;
+    wavy_round q = {.tau = r.tau, .again = MASK(true)};
+    double inverse = 0;
+    if (!rounds) {
+        const wavy_newton half = wavy_half(s, most, r.x, r.y, r.tau, ray);
+        q = wavy_bound_first(s, most, &r, &half, ray), q.again = 0;
+        inverse = half.inverse, evals = 3;
+        if (!(q.tau_err == q.tau_err))
+            return (proof ? prove_by_rounds : meet_by_rounds)(self, terms, ray, opt);
     }
-    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, at.q.tau, at.q.tau_err);
-    const lane end = wavy_end_any(s, most, &root, &at.q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false),
+    if (rounds && s->disc == STRONG) q.tau = wavy_strong(s, most, r.x, r.y, r.tau, ray), evals += 2;
+    for (int i = 0; i < ROUNDS && q.again; i++) {
+        const wavy_newton half = wavy_half(s, most, r.x, r.y, q.tau, ray);
+        const bool last = i + 1 == ROUNDS;
+        q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
+        if (q.again && s->domain2 == HUGE_VAL) {
+            s->domain2 = domain2_within(h.c, h.k, h.rim2);
+            q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
+        }
+        inverse = half.inverse, evals += 2;
+    }
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    const lane end = wavy_end_any(s, most, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false),
                e = lane_if_met(&end);
-    if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, at.q.tau_err, l, m)) ||
+    if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, q.tau_err, l, m)) ||
         (first && !wavy_single(s, l, m, n) && !(h.rim2 < HUGE_VAL && is_single(self, terms, ray)) &&
-         !(s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, at.q.tau, ray)) &&
-         !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
-        return sgt_asphere_first(self, terms, &at, ray, opt);
-    return hit_of_lane(&e, at.evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
+         !(s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) &&
+         !wavy_first_from(s, most, r.t0, r.x, r.y, q.tau, ray)))
+        return sgt_asphere_first(self, terms, &(easy_rounds){r, q, inverse, evals}, ray, opt);
+    return hit_of_lane(&e, evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
 }
 
-#define MEETS(NAME, MOST, PROOF)                                                                             \
+/* rounds: all of them.  Else the first one by constants; if that has no answer, it begins anew. */
+#define MEETS(NAME, MOST, PROOF, EACH)                                                                             \
     SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,               \
                                      const sgt_options *opt)                                                 \
     {                                                                                                        \
-        return asphere_easily(s, terms, MOST, PROOF, ray, opt);                                              \
+        return asphere_easily(s, terms, MOST, PROOF, EACH, ray, opt);                                            \
     }
-MEETS(meet_few, FEW_TERMS, false)
-MEETS(meet_all, ALL_TERMS, false)
-MEETS(prove_few, FEW_TERMS, true)
-MEETS(prove_all, ALL_TERMS, true)
+MEETS(meet_few, FEW_TERMS, false, false)
+MEETS(meet_all, ALL_TERMS, false, false)
+MEETS(prove_few, FEW_TERMS, true, false)
+MEETS(prove_all, ALL_TERMS, true, false)
+MEETS(meet_by_rounds, ALL_TERMS, false, true)
+MEETS(prove_by_rounds, ALL_TERMS, true, true)
 
 static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
