@@ -1072,6 +1072,42 @@ SGT_NOINLINE static bool asphere_none_begins(const wavy *v, int terms, const con
     return true;
 }
 
+/* A tile of which all rays miss, as is told without the rounds of easy.h: they pass the rim by, or start in the
+ * vertex and meet nothing else.  What the first ray does is a guess for all of them.  A single ray makes the
+ * rounds before, so this is not asked where its evaluations are wanted. */
+SGT_NOINLINE static bool asphere_all_miss(const shape *h, const wavy *v, const sgt_tile *tile, bool vertex)
+{
+    const size_t n = tile->n;
+    bool all = true;
+    if (vertex) {
+        mask leaves[SGT_TILE];
+        const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+        for (size_t i = 0; i < n; i++) {
+            const double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
+            leaves[i] = at_vertex(o[0][i], o[1][i], o[2][i]) & usual_length(d2), all &= leaves[i] != 0;
+        }
+        if (all) sgt_asphere_leave(h, v, tile, leaves);
+        for (size_t i = 0; i < n; i++) all &= leaves[i] != 0;
+    } else {
+        convex b;
+        tile_bend_of(v, &b);
+        all = sgt_asphere_lanes_past(&b, tile);
+    }
+    if (!all) return false;
+    lane_nothing(tile);
+    memset(tile->hits.status, SGT_MISS, n);
+    return true;
+}
+
+/* Does the first ray of a tile seem to miss in one of these ways? */
+SGT_INLINE bool seems_to_miss(const wavy *v, const sgt_ray *ray, bool *vertex)
+{
+    const double x = ray->o.x, y = ray->o.y, z = ray->o.z, n = ray->d.z, l = n * x - z * ray->d.x,
+                 m = n * y - z * ray->d.y; /* n times the point on the vertex plane */
+    *vertex = at_vertex(x, y, z) && ray->tmin == 0 && !(v->single < HUGE_VAL);
+    return *vertex || (v->side && l * l + m * m > 1.125 * v->domain2 * (n * n));
+}
+
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_even_asphere *s = self;
@@ -1089,6 +1125,10 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             const sgt_rays rows = tile->rays;
             const sgt_ray ray = lane_ray_of(&rows, 0);
+            bool vertex;
+            if (!tile->hits.evals && seems_to_miss(&v, &ray, &vertex) &&
+                asphere_all_miss(&h, &v, tile, vertex))
+                return 0;
             const bool along = !near && v.side && wavy_along(&ray);
             convex b;
             if (along) tile_bend_of(&v, &b);

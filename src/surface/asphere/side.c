@@ -140,6 +140,26 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
     return any;
 }
 
+/* Do all rays certainly pass by, as their stretches tell? */
+SGT_KERNEL
+static mask asphere_all_past(const convex *bent, const sgt_tile *tile)
+{
+    const sgt_rays rows = tile->rays;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double far = fabs(ray.o.x) + fabs(ray.o.y) + fabs(ray.o.z),
+                     d2 = (ray.d.x * ray.d.x + ray.d.y * ray.d.y) + ray.d.z * ray.d.z;
+        all &= side_stretch_of(b, &ray).away & usual_length(d2) & MASK(far < HUGE_VAL);
+    }
+    return all;
+}
+
+bool sgt_asphere_lanes_past(const convex *b, const sgt_tile *tile) { return asphere_all_past(b, tile) != 0; }
+
 /* Makes the stretches that are afar (`close` tells) shorter, as side_way_of does.  off is set where `from`
  * has moved.  (In a loop for each
  * round: of both in one gcc 12 makes branches.) */

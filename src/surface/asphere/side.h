@@ -669,6 +669,9 @@ typedef struct easy_tried {
 bool sgt_asphere_lanes_graze(const wavy *s, const convex *b, int terms, const sgt_tile *tile,
                              easy_tried *tried);
 
+/* Do all rays of a tile certainly pass by, beyond the edge or past the heights? */
+bool sgt_asphere_lanes_past(const convex *b, const sgt_tile *tile);
+
 /* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
                                 const sgt_tile *tile, size_t before, easy_tried *tried);
