@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Rays that graze an even asphere (src/surface/asphere/graze.h), against quad.h: random surfaces in any unit of
-// length, with a rim and without, of weak and strong terms of either sign, and rays that meet them at 45 degrees
-// to 0.005, from outside and inside, from near and from 10^7 radii.  In batches of 40, each beside the single
-// ray to the last bit, with and without its evaluations.
+// Rays that graze an even asphere (src/surface/asphere/graze.h), against quad.h: random surfaces in any unit
+// of length, with a rim and without, of weak and strong terms of either sign, and rays that meet them at 45
+// degrees to 0.005, from outside and inside, from near and from 10^7 radii.  In batches of 40, each
+// beside the single ray to the last bit, with and without its evaluations.
 //
 //   a hit     a root lies within t_err of t, and none that counts is before it; p is within 12 ulps of the
 //             largest term off the surface, and within p_err of the root
@@ -54,7 +54,8 @@ void judge(const sgt_even_asphere &s, const sgt_ray &ray, const sgt_hit &h)
         const quad off = magnitude(m.minus(h.t)), bound = quad(h.t_err) * (1 + quad(1e-9)) + m.blur;
         if (off <= bound && is != no) {
             there = true;
-            if (norm({m.p.x - h.p.x, m.p.y - h.p.y, m.p.z - h.p.z}) > quad(h.p_err) * (1 + quad(1e-9)) + m.blur)
+            const quad away = norm({m.p.x - h.p.x, m.p.y - h.p.y, m.p.z - h.p.z});
+            if (away > quad(h.p_err) * (1 + quad(1e-9)) + m.blur)
                 fail("p is off by more than p_err", s, ray, h, &a);
         } else if (is == yes && m.minus(h.t) < 0)
             return fail("not the first", s, ray, h, &a);
@@ -71,7 +72,8 @@ double log_uniform(generator &g, double lo, double hi) { return lo * std::pow(hi
 sgt_even_asphere random_surface(generator &g, double *radius)
 {
     sgt_even_asphere s = {};
-    const double unit = std::ldexp(1.0, static_cast<int>(g.uniform(-30, 30))), curve = log_uniform(g, 0.003, 0.6),
+    const double unit = std::ldexp(1.0, static_cast<int>(g.uniform(-30, 30))),
+                 curve = log_uniform(g, 0.003, 0.6),
                  depart = g.chance(0.1) ? 0 : log_uniform(g, 1e-6, 0.5);
     const int terms = 1 + g.below(g.chance(0.3) ? 8 : 4);
     *radius = unit;
@@ -90,7 +92,8 @@ sgt_ray random_ray(generator &g, const sgt_even_asphere &s, double radius)
     const auto sag = [&](double at) { return rough_sag(s, at * at); };
     const double rise = (sag(r + h) - sag(r - h)) / (2 * h), nx = -rise * x / r, ny = -rise * y / r,
                  length = std::sqrt(nx * nx + ny * ny + 1), angle = log_uniform(g, 0.005, 45) * M_PI / 180,
-                 phi = 2 * M_PI * g.uniform(0, 1), l = std::cos(phi), m = std::sin(phi), n = -(nx * l + ny * m),
+                 phi = 2 * M_PI * g.uniform(0, 1), l = std::cos(phi), m = std::sin(phi),
+                 n = -(nx * l + ny * m),
                  by = std::cos(angle) / std::sqrt(1 + n * n), up = g.sign() * std::sin(angle) / length,
                  size = g.chance(0.7) ? 1 : log_uniform(g, 0.01, 100),
                  before = (g.chance(0.8) ? log_uniform(g, 0.1, 20) : log_uniform(g, 1, 1e7)) * radius;

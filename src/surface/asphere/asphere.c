@@ -640,7 +640,8 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         return lane_told(tile, &room->ends, 4, 0);
     }
     const int evals = 4 + (self->disc == STRONG ? 2 : 0);
-    if (self->disc == STRONG) (terms > FEW_TERMS ? asphere_lanes_all_strong : asphere_lanes_few_strong)(self, tile, room);
+    if (self->disc == STRONG)
+        (terms > FEW_TERMS ? asphere_lanes_all_strong : asphere_lanes_few_strong)(self, tile, room);
     int extra[SGT_TILE];
     const int rounds = (terms > FEW_TERMS ? asphere_lanes_all_rounds : asphere_lanes_few_rounds)(
         self, tile, room, extra);
@@ -898,11 +899,11 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
 }
 
 /* rounds: all of them.  Else the first one by constants; if that has no answer, it begins anew. */
-#define MEETS(NAME, MOST, PROOF, EACH)                                                                             \
-    SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,               \
-                                     const sgt_options *opt)                                                 \
-    {                                                                                                        \
-        return asphere_easily(s, terms, MOST, PROOF, EACH, ray, opt);                                            \
+#define MEETS(NAME, MOST, PROOF, EACH)                                                                     \
+    SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,             \
+                                     const sgt_options *opt)                                               \
+    {                                                                                                      \
+        return asphere_easily(s, terms, MOST, PROOF, EACH, ray, opt);                                      \
     }
 MEETS(meet_few, FEW_TERMS, false, false)
 MEETS(meet_all, ALL_TERMS, false, false)
@@ -1072,9 +1073,9 @@ SGT_NOINLINE static bool asphere_none_begins(const wavy *v, int terms, const con
     return true;
 }
 
-/* A tile of which all rays miss, as is told without the rounds of easy.h: they pass the rim by, or start in the
- * vertex and meet nothing else.  What the first ray does is a guess for all of them.  A single ray makes the
- * rounds before, so this is not asked where its evaluations are wanted. */
+/* A tile of which all rays miss, as is told without the rounds of easy.h: they pass the rim by, or start in
+ * the vertex and meet nothing else.  What the first ray does is a guess for all of them.  A single ray makes
+ * the rounds before, so this is not asked where its evaluations are wanted. */
 SGT_NOINLINE static bool asphere_all_miss(const shape *h, const wavy *v, const sgt_tile *tile, bool vertex)
 {
     const size_t n = tile->n;

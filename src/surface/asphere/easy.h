@@ -125,8 +125,8 @@ typedef struct wavy {
     bool side;                /* what is left goes to the form from the side: GRAZING in side.h */
     double enough;            /* 4 u, or 0: SHARP ENOUGH */
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
-    /* BY CONSTANTS.  disc: D, or -1, or STRONG.  wide: 2 F + |c|; n1 a + 1.25 n^2 = N2; m1 a + m2 N2 = 2 M; e with u.
-     * first: n^2 > first a: F is monotone within the disc. */
+    /* BY CONSTANTS.  disc: D, or -1, or STRONG.  wide: 2 F + |c|; n1 a + 1.25 n^2 = N2; m1 a + m2 N2 = 2 M; e
+     * with u.  first: n^2 > first a: F is monotone within the disc. */
     double disc, kappa, wide, n1, m1, m2, q1, q2, q3, first;
 } wavy;
 

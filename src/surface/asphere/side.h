@@ -593,8 +593,8 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
 }
 
 /* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
- * than 14 degrees from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which root is
- * the first.  Then the form from the side, which is dearer by itself, is asked after them.  So it is
+ * than 14 degrees from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which
+ * root is the first.  Then the form from the side, which is dearer by itself, is asked after them.  So it is
  * asked at once, if it has an answer for nearly all such rays:
  * - the surface is bent in one way as far out as the start, or as far as it goes (graze_bent; graze.h has the
  *   first word), or
@@ -602,8 +602,8 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
  * This is a choice between forms each of which is certain; a ray that the form from the side leaves makes the
  * rounds after all, alone.  A ray without a beginning is not among these (wavy_hopeless).
  *
- * graze_conic: the equation A t^2 - 2 B t + C of the conic of curvature c + 2 a[0], from o, and B^2 - A C, the
- * square of its slope.  From very far away that says little. */
+ * graze_conic: the equation A t^2 - 2 B t + C of the conic of curvature c + 2 a[0], from o, and B^2 - A C,
+ * the square of its slope.  From very far away that says little. */
 typedef struct graze_conic {
     double B, C, D;
 } graze_conic;
@@ -658,7 +658,8 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
 bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
 
 /* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
-/* some: some of them may be asked by graze.h; all: all of them graze, and t, asked are those of a graze_seed. */
+/* some: some of them may be asked by graze.h; all: all of them graze, and t, asked are those of a
+ * graze_seed. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE], some, all;
     double t[SGT_TILE];
