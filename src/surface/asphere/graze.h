@@ -22,8 +22,8 @@
  * THE GUESS.  With the conic of curvature c + 2 a[0] G is (A t^2 - 2 B t + C) / -2, seen from o.  The root at
  * which sigma G rises is t = C / (B + sigma sqrt D), D = B^2 - A C, without a difference as sigma B > 0.
  * From there a quadratic equation with G and G' of the asphere (side_turned) leads to the right one of two
- * roots; Newton's steps go on until what the next one leaves is small, or six have been made.  All of this is in
- * doubles, from o, and nothing rests on it: what follows is certain by itself.
+ * roots; Newton's steps go on until what the next one leaves is small, or six have been made.  All of this is
+ * in doubles, from o, and nothing rests on it: what follows is certain by itself.
  *
  * FROM THERE.  T is the double at which they end.  The point at T is known to 4 u^2 of its coordinates
  * (place_of_root), and so is rho to 32 u^2 of itself.  With w = z - P
