@@ -5,7 +5,8 @@
 // beside the single ray to the last bit, with and without its evaluations.
 //
 //   a hit     a root lies within t_err of t, and none that counts is before it; p is within 24 ulps of the
-//             largest term off the surface (SHARP ENOUGH in easy.h allows as much), and within p_err of the root
+//             largest term off the surface (SHARP ENOUGH in easy.h allows as much), and within p_err of the
+//             root
 //   a miss    no root counts
 //
 // Most are met: else nothing would be tested.
