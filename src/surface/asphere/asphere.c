@@ -436,7 +436,7 @@ LANES_BOUND(asphere_lanes_all_bound_some, ALL_TERMS, true)
 /* Of the rays that have no bound by constants (again[i] is 0): which do not want another one, as they are to
  * make a round more (wavy_nears, into `next`), or have not begun?  Then again[i] is set. */
 SGT_KERNEL
-static mask asphere_lanes_nears(const wavy *self, bool last, const sgt_tile *tile, wavy_room *room)
+static mask asphere_near_rays(const wavy *self, bool last, const sgt_tile *tile, wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
@@ -461,7 +461,7 @@ SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, bool last, const 
                                      wavy_room *room)
 {
     enum { PART = 16 };
-    mask any = asphere_lanes_nears(s, last, tile, room);
+    mask any = asphere_near_rays(s, last, tile, room);
     const mask nears = any;
     size_t from = 0;
     for (size_t i = 0; i < tile->n; i += PART) {
