@@ -57,9 +57,10 @@ SGT_NOINLINE static bool asphere_leaves_it(const wavy *s, const shape *h, const 
 }
 
 /* Does the form from the side have the first word? */
-SGT_NOINLINE static bool grazes_at(const wavy *s, const wavy_start *r, const sgt_ray *ray)
+SGT_NOINLINE static bool grazes_at(const wavy *s, const sgt_ray *ray)
 {
-    return wavy_grazes(s, convex_of(s).bent2, ALL_TERMS, r->x, r->y, ray) != 0;
+    const convex b = convex_of(s);
+    return grazes(s, &b, ALL_TERMS, ray) != 0;
 }
 
 /* How far the rounds of a ray have come. */
@@ -109,11 +110,16 @@ static easy_answer asphere_easy_at(const wavy *s, bool first, const sgt_ray *ray
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     observe(h, from, w, &at, r.tau + g / slope, SGT_SEED, -HUGE_VAL, HUGE_VAL);
     if (first && wavy_hopeless(s, ray)) return EASY_NOT;
-    if (first && s->side && wavy_along(ray) && grazes_at(s, &r, ray)) return EASY_GRAZES;
+    if (first && s->side && wavy_along(ray) && grazes_at(s, ray)) return EASY_GRAZES;
+    if (s->disc == STRONG && r.tau == r.tau && !w->stopped) {
+        q.tau = wavy_strong(s, ALL_TERMS, r.x, r.y, r.tau, ray);
+        observe(h, from, w, &at, r.tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        if (!w->stopped) observe(h, from, w, &at, q.tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+    }
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, ray);
-        q = wavy_bound_either(s, ALL_TERMS, &r, &half, ray, t_tol);
+        q = wavy_bound_either(s, ALL_TERMS, &r, &half, i + 1 == ROUNDS, ray, t_tol);
         observe(h, from, w, &at, tau, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         if (!w->stopped) observe(h, from, w, &at, half.tau2, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
@@ -142,8 +148,9 @@ typedef struct wavy_room {
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
         v[SGT_TILE], near[SGT_TILE];
     double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE];
-    mask again[SGT_TILE];
+    mask again[SGT_TILE], next[SGT_TILE];
     lane_ends ends;
+    bool grazes; /* some do */
 } wavy_room;
 
 /* Removes the hits whose side of the rim is not certain.  Returns all bits set if none was removed. */
@@ -354,40 +361,32 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, lane_wish wish, bool verte
     return all;
 }
 
-/* The rays that graze do not begin. */
-SGT_INLINE void lane_grazing(const wavy *self, double bent2, int terms, const sgt_tile *tile, wavy_room *room)
+/* The rays that graze do not begin.  Returns all bits set if there are such. */
+SGT_KERNEL
+static mask asphere_lanes_grazing(const wavy *self, const convex *bent, const sgt_tile *tile, wavy_room *room)
 {
     const sgt_rays rows = tile->rays;
     const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        mask grazes = wavy_grazes(s, bent2, terms, room->x[i], room->y[i], &ray);
-        room->from[i] = chosen(grazes, (double)NAN, room->from[i]);
+        const mask is = grazes(s, b, ALL_TERMS, &ray);
+        room->from[i] = chosen(is, (double)NAN, room->from[i]);
+        any |= is;
     }
-}
-
-SGT_KERNEL
-static void asphere_lanes_few_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
-{
-    lane_grazing(s, bent2, FEW_TERMS, tile, room);
-}
-
-SGT_KERNEL
-static void asphere_lanes_all_grazing(const wavy *s, double bent2, const sgt_tile *tile, wavy_room *room)
-{
-    lane_grazing(s, bent2, ALL_TERMS, tile, room);
+    return any;
 }
 
 /* convex_of, once in the code of the loops. */
 SGT_NOINLINE static void tile_bend_of(const wavy *s, convex *b) { *b = convex_of(s); }
 
-SGT_NOINLINE static void without_grazing(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+SGT_NOINLINE static mask without_grazing(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
     convex b;
     tile_bend_of(s, &b);
-    const double bent2 = b.bent2;
-    (terms > FEW_TERMS ? asphere_lanes_all_grazing : asphere_lanes_few_grazing)(s, bent2, tile, room);
+    return asphere_lanes_grazing(s, &b, tile, room);
 }
 
 /* THE BOUND of easy.h for the rays from `begin` to `end`; some: but for those that have one by constants
@@ -434,11 +433,36 @@ LANES_BOUND(asphere_lanes_few_bound_some, FEW_TERMS, true)
 LANES_BOUND(asphere_lanes_all_bound, ALL_TERMS, false)
 LANES_BOUND(asphere_lanes_all_bound_some, ALL_TERMS, true)
 
-/* The same of a whole tile, for the parts of it in which some ray has no bound by constants. */
-SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room)
+/* Of the rays that have no bound by constants (again[i] is 0): which do not want another one, as they are to
+ * make a round more (wavy_nears, into `next`), or have not begun?  Then again[i] is set. */
+SGT_KERNEL
+static mask asphere_near_rays(const wavy *self, bool last, const sgt_tile *tile, wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const mask more = MASK(!last);
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const wavy_newton h = {.tau2 = room->tau2[i], .step2 = room->step2[i]};
+        const mask had = room->again[i],
+                   next = ~had & more & wavy_nears(s, room->x[i], room->y[i], &h, room->tau[i], &ray);
+        room->next[i] = next, room->again[i] = had | next | ~MASK(room->from[i] == room->from[i]);
+        any |= next;
+    }
+    return any;
+}
+
+/* The same of a whole tile, for the parts of it in which some ray has no bound by constants.  last: no other
+ * round may follow. */
+SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, bool last, const sgt_tile *tile,
+                                     wavy_room *room)
 {
     enum { PART = 16 };
-    mask any = 0;
+    mask any = asphere_near_rays(s, last, tile, room);
+    const mask nears = any;
     size_t from = 0;
     for (size_t i = 0; i < tile->n; i += PART) {
         const size_t end = i + PART < tile->n ? i + PART : tile->n;
@@ -453,10 +477,11 @@ SGT_NOINLINE static mask lane_bounds(const wavy *s, int terms, const sgt_tile *t
             from = end;
         }
     }
+    for (size_t i = 0; nears && i < tile->n; i++) room->again[i] |= room->next[i];
     return any;
 }
 
-/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or wavy_grazes may have
+/* The seeds, in two loops or `at_once` in one.  Returns all bits set if wavy_hopeless or `grazes` may have
  * something to say. */
 SGT_INLINE mask lane_begin(const wavy *self, int terms, bool first, bool at_once, const sgt_tile *tile,
                            wavy_room *room)
@@ -529,7 +554,7 @@ SGT_INLINE int lane_rounds(const wavy *self, int terms, const sgt_tile *tile, wa
                 every &= is;
             }
             if (every) break;
-            any = lane_bounds(self, terms, tile, room);
+            any = lane_bounds(self, terms, rounds == ROUNDS, tile, room);
         } else
             any = (terms > FEW_TERMS ? asphere_lanes_all_bound : asphere_lanes_few_bound)(self, tile, room, 0,
                                                                                           count);
@@ -552,6 +577,30 @@ SGT_KERNEL
 static int asphere_lanes_all_rounds(const wavy *s, const sgt_tile *tile, wavy_room *room, int extra[])
 {
     return lane_rounds(s, ALL_TERMS, tile, room, extra);
+}
+
+/* STRONG TERMS: one more step. */
+SGT_INLINE void lane_strong(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        room->from[i] = wavy_strong(s, terms, room->x[i], room->y[i], room->from[i], &ray);
+    }
+}
+
+SGT_KERNEL
+static void asphere_lanes_few_strong(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    lane_strong(s, FEW_TERMS, tile, room);
+}
+SGT_KERNEL
+static void asphere_lanes_all_strong(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    lane_strong(s, ALL_TERMS, tile, room);
 }
 
 #define LANES_BEGIN(name, terms, first)                                                              \
@@ -582,7 +631,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
             const sgt_ray ray = lane_ray_of(&rows, i);
             room->from[i] = chosen(wavy_hopeless(s, &ray), (double)NAN, room->from[i]);
         }
-    if (odd && s->side) without_grazing(self, terms, tile, room);
+    room->grazes = odd && s->side && without_grazing(self, tile, room);
     size_t begun = 0;
     while (begun < count && !(room->from[begun] == room->from[begun])) begun++;
     if (begun == count) { /* no ray: they come from the side, say */
@@ -590,6 +639,9 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         lane_nothing(tile);
         return lane_told(tile, &room->ends, 4, 0);
     }
+    const int evals = 4 + (self->disc == STRONG ? 2 : 0);
+    if (self->disc == STRONG)
+        (terms > FEW_TERMS ? asphere_lanes_all_strong : asphere_lanes_few_strong)(self, tile, room);
     int extra[SGT_TILE];
     const int rounds = (terms > FEW_TERMS ? asphere_lanes_all_rounds : asphere_lanes_few_rounds)(
         self, tile, room, extra);
@@ -602,7 +654,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, lane_wish 
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
     if (s->proof) all &= asphere_sure_all(self, tile, room);
-    size_t hard = lane_told(tile, &room->ends, 4, all);
+    size_t hard = lane_told(tile, &room->ends, evals, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
     return 24 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
@@ -744,10 +796,11 @@ SGT_NARROW(sgt_hit, sgt_asphere_first,
     easy_answer is = EASY_NOT;
     if (done) is = easy_judged(&v, &h, opt->pick != SGT_NEAR_SEED, done, ray, opt->t_tol, &e);
     else if (tried) is = easy(&v, &h, ray, &e, &w);
-    const bool grazes = is == EASY_GRAZES;
-    if (grazes) is = EASY_NOT;
-    if (is == EASY_NOT && tried && v.side && !w.stopped) is = sgt_asphere_beside(&v, &h, ray, &e, &w);
-    const bool spared = grazes && is == EASY_NOT && !w.stopped && w.evals + MOST_EASY < w.budget;
+    const bool grazing = is == EASY_GRAZES;
+    if (grazing) is = EASY_NOT;
+    if (is == EASY_NOT && tried && v.side && !w.stopped)
+        is = sgt_asphere_beside(&v, &h, grazing, ray, &e, &w);
+    const bool spared = grazing && is == EASY_NOT && !w.stopped && w.evals + MOST_EASY < w.budget;
     if (spared && !passes_by(&h, ray)) v.side = false, is = easy(&v, &h, ray, &e, &w); /* the rounds */
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
@@ -785,14 +838,17 @@ SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const s
     return wavy_single(&v, ray->d.x, ray->d.y, ray->d.z) != 0;
 }
 
+static sgt_hit meet_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
+static sgt_hit prove_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
+
 /* The easy form, with a number of terms that the compiler knows: those that are 0 change no bit.  There is no
  * watcher, and the budget suffices.  The ray has not been checked, but its direction is usual.  One that is
  * met is valid, as wavy_end finds it between its ends and within the rim; and so is the surface.
  *
  * What takes roots and quotients of the surface's numbers is worked out only where it decides: the domain
  * where a round has not ended, and the limit of wavy_single where single_at_most has not told. */
-SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof,
-                               const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int most, bool proof, bool rounds,
+                                  const sgt_ray *ray, const sgt_options *opt)
 {
     shape h = {.c = self->c, .k = self->k, .ck = (1 + self->k) * self->c, .terms = most, .a = self->a,
                .rim2 = rim2_of(self->semi_diameter), .domain2 = HUGE_VAL};
@@ -808,40 +864,53 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
         return sgt_asphere_first(self, terms, NULL, ray, opt);
     double g, slope;
     const vertex_place vertex = to_vertex_plane(ray);
-    easy_rounds at = {.r = wavy_begin(s, most, &vertex, ray, &g, &slope), .evals = 1};
-    const wavy_start r = at.r;
+    const wavy_start r = wavy_begin(s, most, &vertex, ray, &g, &slope);
+    int evals = 1;
     if (!(r.tau == r.tau)) return sgt_asphere_first(self, terms, NULL, ray, opt);
-    at.q = (wavy_round){.tau = r.tau, .again = MASK(true)};
-    for (int i = 0; i < ROUNDS && at.q.again; i++) {
-        wavy_newton half = wavy_half(s, most, r.x, r.y, at.q.tau, ray);
-        at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
-        if (at.q.again && s->domain2 == HUGE_VAL) {
-            s->domain2 = domain2_within(h.c, h.k, h.rim2);
-            at.q = wavy_bound_either(s, most, &r, &half, ray, t_tol);
-        }
-        at.inverse = half.inverse, at.evals += 2;
+    wavy_round q = {.tau = r.tau, .again = MASK(true)};
+    double inverse = 0;
+    if (!rounds) {
+        const wavy_newton half = wavy_half(s, most, r.x, r.y, r.tau, ray);
+        q = wavy_bound_first(s, most, &r, &half, ray), q.again = 0;
+        inverse = half.inverse, evals = 3;
+        if (!(q.tau_err == q.tau_err))
+            return (proof ? prove_by_rounds : meet_by_rounds)(self, terms, ray, opt);
     }
-    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, at.q.tau, at.q.tau_err);
-    const lane end = wavy_end_any(s, most, &root, &at.q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false),
+    if (rounds && s->disc == STRONG) q.tau = wavy_strong(s, most, r.x, r.y, r.tau, ray), evals += 2;
+    for (int i = 0; i < ROUNDS && q.again; i++) {
+        const wavy_newton half = wavy_half(s, most, r.x, r.y, q.tau, ray);
+        const bool last = i + 1 == ROUNDS;
+        q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
+        if (q.again && s->domain2 == HUGE_VAL) {
+            s->domain2 = domain2_within(h.c, h.k, h.rim2);
+            q = wavy_bound_either(s, most, &r, &half, last, ray, t_tol);
+        }
+        inverse = half.inverse, evals += 2;
+    }
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    const lane end = wavy_end_any(s, most, &root, &q, at_vertex(r.x, r.y, ray->o.z), ray, t_tol, false),
                e = lane_if_met(&end);
-    if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, at.q.tau_err, l, m)) ||
+    if (!e.hit || (proof && !wavy_sure(s, r.x, r.y, r.t0, q.tau_err, l, m)) ||
         (first && !wavy_single(s, l, m, n) && !(h.rim2 < HUGE_VAL && is_single(self, terms, ray)) &&
-         !(s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, at.q.tau, ray)) &&
-         !wavy_first_from(s, most, r.t0, r.x, r.y, at.q.tau, ray)))
-        return sgt_asphere_first(self, terms, &at, ray, opt);
-    return hit_of_lane(&e, at.evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
+         !(s->disc > 0 && wavy_first_within(s, r.t0, r.x, r.y, q.tau, ray)) &&
+         !wavy_first_from(s, most, r.t0, r.x, r.y, q.tau, ray)))
+        return sgt_asphere_first(self, terms, &(easy_rounds){r, q, inverse, evals}, ray, opt);
+    return hit_of_lane(&e, evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
 }
 
-#define MEETS(NAME, MOST, PROOF)                                                                             \
-    SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,               \
-                                     const sgt_options *opt)                                                 \
-    {                                                                                                        \
-        return asphere_easily(s, terms, MOST, PROOF, ray, opt);                                              \
+/* rounds: all of them.  Else the first one by constants; if that has no answer, it begins anew. */
+#define MEETS(NAME, MOST, PROOF, EACH)                                                                     \
+    SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,             \
+                                     const sgt_options *opt)                                               \
+    {                                                                                                      \
+        return asphere_easily(s, terms, MOST, PROOF, EACH, ray, opt);                                      \
     }
-MEETS(meet_few, FEW_TERMS, false)
-MEETS(meet_all, ALL_TERMS, false)
-MEETS(prove_few, FEW_TERMS, true)
-MEETS(prove_all, ALL_TERMS, true)
+MEETS(meet_few, FEW_TERMS, false, false)
+MEETS(meet_all, ALL_TERMS, false, false)
+MEETS(prove_few, FEW_TERMS, true, false)
+MEETS(prove_all, ALL_TERMS, true, false)
+MEETS(meet_by_rounds, ALL_TERMS, false, true)
+MEETS(prove_by_rounds, ALL_TERMS, true, true)
 
 static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
@@ -982,40 +1051,62 @@ SGT_NOINLINE static size_t asphere_easy_lanes(const wavy *v, int terms, bool nea
             near ? asphere_lanes_few_near_rich(v, tile, &room) : asphere_lanes_few_first_rich(v, tile, &room);
     else
         hard = near ? asphere_lanes_few_near(v, tile, &room) : asphere_lanes_few_first(v, tile, &room);
+    tried->some = room.grazes;
     for (size_t i = 0; hard && i < tile->n; i++)
         tried->begun[i] = room.from[i] == room.from[i], tried->ended[i] = room.tau[i] == room.tau[i];
     return hard;
 }
 
-/* Do all rays of a tile graze, so that none begins?  (wavy_begin and wavy_hopeless do not matter then.) */
-SGT_KERNEL
-static mask asphere_lanes_graze(const wavy *self, double bent2, const sgt_tile *tile)
-{
-    const sgt_rays rows = tile->rays;
-    const wavy own = *self, *s = &own;
-    size_t count = tile->n;
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        const sgt_ray ray = lane_ray_of(&rows, i);
-        const vertex_place at = to_vertex_plane(&ray);
-        all &= wavy_grazes(s, bent2, ALL_TERMS, at.x, at.y, &ray);
-    }
-    return all;
-}
-
-/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze. */
-SGT_NOINLINE static bool asphere_all_graze(const wavy *v, double bent2, const sgt_tile *tile,
-                                           easy_tried *tried)
+/* A tile of which the first ray runs along.  Returns false, and answers nothing, if some do not graze: else
+ * none begins.  (wavy_begin and wavy_hopeless do not matter then.) */
+SGT_NOINLINE static bool asphere_none_begins(const wavy *v, int terms, const convex *b, const sgt_tile *tile,
+                                             easy_tried *tried)
 {
     const size_t n = tile->n;
-    sgt_tile one = *tile;
-    one.n = 1;
-    if (!asphere_lanes_graze(v, bent2, &one) || !asphere_lanes_graze(v, bent2, tile)) return false;
-    lane_nothing(tile);
+    tried->all = sgt_asphere_lanes_graze(v, b, terms, tile, tried);
+    if (!tried->all) return false;
+    for (size_t i = 0; i < n; i++) tried->some |= tried->asked[i] != 0;
+    if (!tried->some) lane_nothing(tile); /* else graze.h writes all rays */
     memset(tile->hits.status, SGT_HARD, n);
     for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = 4;
     memset(tried->begun, 0, n * sizeof *tried->begun), memset(tried->ended, 0, n * sizeof *tried->ended);
     return true;
+}
+
+/* A tile of which all rays miss, as is told without the rounds of easy.h: they pass the rim by, or start in
+ * the vertex and meet nothing else.  What the first ray does is a guess for all of them.  A single ray makes
+ * the rounds before, so this is not asked where its evaluations are wanted. */
+SGT_NOINLINE static bool asphere_all_miss(const shape *h, const wavy *v, const sgt_tile *tile, bool vertex)
+{
+    const size_t n = tile->n;
+    bool all = true;
+    if (vertex) {
+        mask leaves[SGT_TILE];
+        const double *const *o = tile->rays.o, *const *d = tile->rays.d;
+        for (size_t i = 0; i < n; i++) {
+            const double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
+            leaves[i] = at_vertex(o[0][i], o[1][i], o[2][i]) & usual_length(d2), all &= leaves[i] != 0;
+        }
+        if (all) sgt_asphere_leave(h, v, tile, leaves);
+        for (size_t i = 0; i < n; i++) all &= leaves[i] != 0;
+    } else {
+        convex b;
+        tile_bend_of(v, &b);
+        all = sgt_asphere_lanes_past(&b, tile);
+    }
+    if (!all) return false;
+    lane_nothing(tile);
+    memset(tile->hits.status, SGT_MISS, n);
+    return true;
+}
+
+/* Does the first ray of a tile seem to miss in one of these ways? */
+SGT_INLINE bool seems_to_miss(const wavy *v, const sgt_ray *ray, bool *vertex)
+{
+    const double x = ray->o.x, y = ray->o.y, z = ray->o.z, n = ray->d.z, l = n * x - z * ray->d.x,
+                 m = n * y - z * ray->d.y; /* n times the point on the vertex plane */
+    *vertex = at_vertex(x, y, z) && ray->tmin == 0 && !(v->single < HUGE_VAL);
+    return *vertex || (v->side && l * l + m * m > 1.125 * v->domain2 * (n * n));
 }
 
 static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
@@ -1023,6 +1114,7 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     const sgt_even_asphere *s = self;
     wavy v;
     easy_tried tried;
+    tried.all = tried.some = false;
     int terms = asphere_terms_of(s);
     bool near = opt->pick == SGT_NEAR_SEED,
          enough = !opt->max_evals || opt->max_evals > MOST_EASY;
@@ -1034,11 +1126,15 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
             v.side = !v.proof && (!opt->max_evals || opt->max_evals > MOST_EASY + SIDE_LOOKS);
             const sgt_rays rows = tile->rays;
             const sgt_ray ray = lane_ray_of(&rows, 0);
+            bool vertex;
+            if (!tile->hits.evals && seems_to_miss(&v, &ray, &vertex) &&
+                asphere_all_miss(&h, &v, tile, vertex))
+                return 0;
             const bool along = !near && v.side && wavy_along(&ray);
             convex b;
             if (along) tile_bend_of(&v, &b);
             size_t hard = tile->n;
-            if (!along || !asphere_all_graze(&v, b.bent2, tile, &tried))
+            if (!along || !asphere_none_begins(&v, terms, &b, tile, &tried))
                 hard = asphere_easy_lanes(&v, terms, near, tile, &tried);
             if (24 * hard > tile->n) hard = asphere_without_leaving(&h, &v, tile, &tried, hard);
             const bool beside = 24 * hard > tile->n && v.side;

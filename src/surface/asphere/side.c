@@ -4,7 +4,7 @@
  * WHY APART.  Without them each such ray of a batch is met by itself: 1,960 ns for a ray along the vertex
  * plane into a bowl, 300 for one that passes 40 beside a rim of 5 (even asphere c = 0.1, k = -0.6; 48
  * and 20 with them). */
-#include "side.h"
+#include "graze.h"
 
 #include "asphere.h"
 
@@ -15,13 +15,38 @@ static void side_tell(const shape *h, const sgt_ray *ray, tally *w, const local 
     if (!w->stopped) observe(h, ray, w, at, tau, move, -HUGE_VAL, HUGE_VAL);
 }
 
+/* A ray that grazes, by graze.h.  Returns true if it is met. */
+static bool graze_met(const wavy *s, const convex *b, const sgt_ray *ray, double scale, lane *e, tally *w,
+                      const shape *h, const sgt_ray *from)
+{
+    const graze_seed seed = graze_seed_of(s, b, ALL_TERMS, ray);
+    const local at = {.t0 = 0, .scale = scale};
+    if (!seed.asked) return false;
+    side_tell(h, from, w, &at, seed.t, SGT_SEED);
+    wavy_newton step = graze_begin(s, b, ALL_TERMS, seed.t, ray);
+    mask again = ~graze_ready(s, b, &step, ray);
+    side_tell(h, from, w, &at, step.tau2 + step.step2, SGT_NEWTON);
+    for (int i = 2; i < GRAZE_STEPS && again; i++) {
+        side_tell(h, from, w, &at, step.tau2, SGT_NEWTON);
+        step = graze_next(s, ALL_TERMS, step.tau2, ray);
+        again = ~graze_ready(s, b, &step, ray);
+    }
+    side_tell(h, from, w, &at, step.tau2, SGT_NEWTON);
+    const double t_tol = w->opt->t_tol / scale;
+    const graze_root r = graze_root_at(s, ALL_TERMS, step.tau2, ray, t_tol);
+    *e = graze_lane(s, b, ALL_TERMS, &r.q, step.tau2, r.inverse, &r.root, ray, t_tol);
+    return e->hit && !w->stopped;
+}
+
 /* One ray with explicit ends, as asphere_easy_at. */
-SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale, lane *e, tally *w,
-                                 const shape *h, const sgt_ray *from)
+SGT_INLINE easy_answer beside_at(const wavy *s, bool grazing, const sgt_ray *ray, double scale, lane *e,
+                                 tally *w, const shape *h, const sgt_ray *from)
 {
     const double t_tol = w->opt->t_tol / scale;
     const bool first = w->opt->pick != SGT_NEAR_SEED;
     convex b = convex_of(s);
+    if (grazing && graze_met(s, &b, ray, scale, e, w, h, from)) return EASY_HIT;
+    if (w->stopped) return EASY_NOT;
     side_stretch r = side_stretch_of(&b, ray);
     if (r.away) return EASY_MISS;
     if (!r.chord) return EASY_NOT;
@@ -58,14 +83,15 @@ SGT_INLINE easy_answer beside_at(const wavy *s, const sgt_ray *ray, double scale
 /* Answers a ray that easy.h has left.  Its evaluations are counted and reported, whatever the answer.  A
  * direction of unusual length is scaled as there. */
 SGT_NARROW(easy_answer, sgt_asphere_beside,
-           (const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w))
+           (const wavy *s, const shape *h, bool grazing, const sgt_ray *ray, lane *e, tally *w))
 {
     const sgt_vec3 d = ray->d;
     double scale = scale_of(d);
-    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return beside_at(s, ray, 1, e, w, h, ray);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
+        return beside_at(s, grazing, ray, 1, e, w, h, ray);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     const sgt_ray along = along_scaled(ray, scale);
-    easy_answer is = beside_at(s, &along, scale, e, w, h, ray);
+    easy_answer is = beside_at(s, grazing, &along, scale, e, w, h, ray);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -113,6 +139,26 @@ static mask asphere_beside_stretch(const convex *bent, const sgt_tile *tile, bes
     r->afar = afar != 0;
     return any;
 }
+
+/* Do all rays certainly pass by, as their stretches tell? */
+SGT_KERNEL
+static mask asphere_all_past(const convex *bent, const sgt_tile *tile)
+{
+    const sgt_rays rows = tile->rays;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const double far = fabs(ray.o.x) + fabs(ray.o.y) + fabs(ray.o.z),
+                     d2 = (ray.d.x * ray.d.x + ray.d.y * ray.d.y) + ray.d.z * ray.d.z;
+        all &= side_stretch_of(b, &ray).away & usual_length(d2) & MASK(far < HUGE_VAL);
+    }
+    return all;
+}
+
+bool sgt_asphere_lanes_past(const convex *b, const sgt_tile *tile) { return asphere_all_past(b, tile) != 0; }
 
 /* Makes the stretches that are afar (`close` tells) shorter, as side_way_of does.  off is set where `from`
  * has moved.  (In a loop for each
@@ -420,8 +466,243 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
     return beside_status(n, r->ends.hit, r->away, hits->status);
 }
 
-/* The same for the hard rays of a tile alone: they are put side by side. */
-SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, const bool *begun,
+/* ------------------------------------------------------------------- rays that graze */
+
+/* What the loops of graze.h leave for each other.  step: a row of each of q, `root` and the rest. */
+typedef struct graze_room {
+    _Alignas(64) double t[SIDE_TILE];
+    double t2[SIDE_TILE], x[SIDE_TILE], y[SIDE_TILE], z[SIDE_TILE], inverse[SIDE_TILE], tau[SIDE_TILE],
+        tau_err[SIDE_TILE], v[SIDE_TILE], near[SIDE_TILE];
+    mask again[SIDE_TILE];
+    int steps[SIDE_TILE];
+    lane_ends ends;
+} graze_room;
+
+/* graze_seed_of all rays, as graze_bent has it: asked is set of those that graze, and t is NaN of those that
+ * are not asked.  Returns all bits set if all of them graze. */
+SGT_INLINE mask lane_seeds(const wavy *self, const convex *bent, int terms, const sgt_tile *tile,
+                           double *restrict t, mask *restrict asked)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const graze_seed one = graze_seed_of(s, b, terms, &ray);
+        const double far = fabs(ray.o.x) + fabs(ray.o.y) + fabs(ray.o.z),
+                     d2 = (ray.d.x * ray.d.x + ray.d.y * ray.d.y) + ray.d.z * ray.d.z;
+        const mask is = one.asked & usual_length(d2) & MASK(far < HUGE_VAL);
+        t[i] = chosen(is, one.t, (double)NAN), asked[i] = is;
+        all &= one.grazes;
+    }
+    return all;
+}
+
+SGT_KERNEL
+static mask asphere_few_seeds(const wavy *s, const convex *b, const sgt_tile *tile, double *t, mask *asked)
+{
+    return lane_seeds(s, b, FEW_TERMS, tile, t, asked);
+}
+SGT_KERNEL
+static mask asphere_all_seeds(const wavy *s, const convex *b, const sgt_tile *tile, double *t, mask *asked)
+{
+    return lane_seeds(s, b, ALL_TERMS, tile, t, asked);
+}
+
+static mask graze_seeds(const wavy *s, const convex *b, bool few, const sgt_tile *tile, double *t,
+                        mask *asked)
+{
+    return (few ? asphere_few_seeds : asphere_all_seeds)(s, b, tile, t, asked);
+}
+
+/* Do all rays of a tile graze in one way or the other? */
+SGT_KERNEL
+static mask asphere_all_graze(const wavy *self, const convex *bent, const sgt_tile *tile)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        all &= grazes(s, b, ALL_TERMS, &ray);
+    }
+    return all;
+}
+
+bool sgt_asphere_lanes_graze(const wavy *s, const convex *b, int terms, const sgt_tile *tile,
+                             easy_tried *tried)
+{
+    sgt_tile one = *tile;
+    one.n = 1;
+    if (!asphere_all_graze(s, b, &one)) return false;
+    return graze_seeds(s, b, terms <= FEW_TERMS, tile, tried->t, tried->asked) ||
+           asphere_all_graze(s, b, tile);
+}
+
+/* graze_begin, or graze_next of the rays that are not ready.  Returns all bits set if some are not yet. */
+SGT_INLINE mask lane_graze(const wavy *self, const convex *bent, int terms, bool begin, const sgt_tile *tile,
+                           const double *t, graze_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask any = 0;
+    _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const wavy_newton h =
+            begin ? graze_begin(s, b, terms, t[i], &ray) : graze_next(s, terms, r->t2[i], &ray);
+        mask again = ~graze_ready(s, b, &h, &ray);
+        if (begin) {
+            again &= MASK(t[i] == t[i]);
+            r->t2[i] = h.tau2;
+        } else {
+            const mask asked = r->again[i];
+            r->t2[i] = chosen(asked, h.tau2, r->t2[i]), again &= asked;
+        }
+        r->again[i] = again;
+        any |= again;
+    }
+    return any;
+}
+
+SGT_INLINE void lane_graze_roots(const wavy *self, int terms, const sgt_tile *tile, graze_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const graze_root e = graze_root_at(s, terms, r->t2[i], &ray, t_tol[i]);
+        r->x[i] = e.q.x, r->y[i] = e.q.y, r->z[i] = e.q.z, r->inverse[i] = e.inverse;
+        r->tau[i] = e.root.tau, r->tau_err[i] = e.root.tau_err, r->v[i] = e.root.v, r->near[i] = e.root.near;
+    }
+}
+
+SGT_INLINE mask lane_graze_told(const wavy *self, const convex *bent, int terms, lane_wish wish,
+                                const sgt_tile *tile, lane_to to, const mask *asked, const graze_room *r)
+{
+    const sgt_rays rows = tile->rays;
+    const double *t_tol = tile->t_tol;
+    const wavy own = *self, *s = &own;
+    const convex mine = *bent, *b = &mine;
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)
+    {
+        const sgt_ray ray = lane_ray_of(&rows, i);
+        const side_local q = {r->x[i], r->y[i], r->z[i], 0};
+        const wavy_round at = {.tau = r->tau[i], .tau_err = r->tau_err[i], .v = r->v[i], .near = r->near[i]};
+        lane e = graze_lane(s, b, terms, &q, r->t2[i], r->inverse[i], &at, &ray, t_tol[i]);
+        e.hit &= asked[i];
+        LANE_STORE(to, i, e, wish);
+        all &= e.hit;
+    }
+    return all;
+}
+
+#define GRAZE_STEP(name, terms, begin)                                                         \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, const double *t, \
+                                graze_room *r)                                                 \
+    {                                                                                          \
+        return lane_graze(s, b, terms, begin, tile, t, r);                                     \
+    }
+#define GRAZE_ROOTS(name, terms)                                                    \
+    SGT_KERNEL static void name(const wavy *s, const sgt_tile *tile, graze_room *r) \
+    {                                                                               \
+        lane_graze_roots(s, terms, tile, r);                                        \
+    }
+#define GRAZE_TOLD(name, terms, wish)                                                               \
+    SGT_KERNEL static mask name(const wavy *s, const convex *b, const sgt_tile *tile, lane_to to,   \
+                                const mask *asked, const graze_room *r)                             \
+    {                                                                                               \
+        return lane_graze_told(s, b, terms, wish, tile, to, asked, r);                              \
+    }
+
+GRAZE_STEP(asphere_graze_few_begin, FEW_TERMS, true)
+GRAZE_STEP(asphere_graze_begin, ALL_TERMS, true)
+GRAZE_STEP(asphere_graze_few_next, FEW_TERMS, false)
+GRAZE_STEP(asphere_graze_next, ALL_TERMS, false)
+GRAZE_ROOTS(asphere_graze_few_roots, FEW_TERMS)
+GRAZE_ROOTS(asphere_graze_roots, ALL_TERMS)
+GRAZE_TOLD(asphere_graze_few_told, FEW_TERMS, LANE_PLAIN)
+GRAZE_TOLD(asphere_graze_few_told_rich, FEW_TERMS, LANE_RICH)
+GRAZE_TOLD(asphere_graze_told, ALL_TERMS, LANE_RICH)
+
+/* Answers rays by graze.h: t, asked as in an easy_tried.  Returns how many are left; those are hard.  Of a
+ * ray that was asked in vain `begun` is set, and evals counts what that took. */
+SGT_NOINLINE static size_t graze_all(const beside *of, lane_wish wish, const sgt_tile *tile, bool *begun,
+                                     const double *t, const mask *asked, lane_to to, graze_room *r)
+{
+    const wavy *s = of->s;
+    const convex *b = of->b;
+    const bool few = of->few;
+    const size_t n = tile->n;
+    const sgt_hits *hits = &tile->hits;
+    mask again = (few ? asphere_graze_few_begin : asphere_graze_begin)(s, b, tile, t, r);
+    for (size_t i = 0; hits->evals && i < n; i++) r->steps[i] = 2;
+    for (int k = 2; k < GRAZE_STEPS && again; k++) {
+        for (size_t i = 0; hits->evals && i < n; i++) r->steps[i] += r->again[i] != 0;
+        again = (few ? asphere_graze_few_next : asphere_graze_next)(s, b, tile, t, r);
+    }
+    (few ? asphere_graze_few_roots : asphere_graze_roots)(s, tile, r);
+    const mask all = (!few               ? asphere_graze_told
+                      : wish >= LANE_FINE ? asphere_graze_few_told_rich
+                                          : asphere_graze_few_told)(s, b, tile, to, asked, r);
+    for (size_t i = 0; hits->evals && i < n; i++)
+        if (asked[i]) hits->evals[i] = r->steps[i] + 3;
+    if (all) {
+        memset(hits->status, SGT_HIT, n);
+        return 0;
+    }
+    size_t hard = 0;
+    for (size_t i = 0; i < n; i++) {
+        const bool hit = to.hit[i] != 0;
+        hits->status[i] = hit ? SGT_HIT : SGT_HARD, hard += !hit;
+        if (!hit && asked[i]) begun[i] = true;
+    }
+    return hard;
+}
+
+/* The same of rays that have not been asked.  Some may not graze. */
+SGT_NOINLINE static size_t graze_some(const beside *of, const sgt_tile *tile, bool *begun, lane_to to)
+{
+    graze_room r;
+    double t[SIDE_TILE];
+    mask asked[SIDE_TILE], any = 0;
+    graze_seeds(of->s, of->b, of->few, tile, t, asked);
+    for (size_t i = 0; i < tile->n; i++) any |= asked[i];
+    if (any) return graze_all(of, LANE_RICH, tile, begun, t, asked, to, &r);
+    memset(tile->hits.status, SGT_HARD, tile->n);
+    return tile->n;
+}
+
+/* A tile of which all rays graze.  Returns how many are left. */
+SGT_NOINLINE static size_t graze_tile(const beside *of, const sgt_tile *tile, easy_tried *tried)
+{
+    graze_room r;
+    size_t hard = 0;
+    for (size_t i = 0, n; i < tile->n; i += n) {
+        n = tile->n - i < SIDE_TILE ? tile->n - i : SIDE_TILE;
+        const sgt_tile part = tile_part(tile, i, n);
+        hard += graze_all(of, lane_wish_of(&part), &part, tried->begun + i, tried->t + i, tried->asked + i,
+                          lane_to_of(&part, &r.ends), &r);
+    }
+    return hard;
+}
+
+/* The same for the hard rays of a tile alone: they are put side by side.  grazing: by graze.h, those that
+ * graze; else from the side. */
+SGT_NOINLINE static size_t beside_few(const beside *of, bool grazing, const sgt_tile *tile, bool *begun,
                                       beside_room *r)
 {
     double ray[9][SIDE_TILE], (*out)[SIDE_TILE] = r->of;
@@ -451,10 +732,10 @@ SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, co
                                        .tmax = ray[7]},
                               .t_tol = ray[8],
                               .hits = {.status = status, .evals = hits->evals ? evals : NULL}};
-        hard += beside_all(of, LANE_RICH, &few, own, to, r);
+        hard += grazing ? graze_some(of, &few, own, to) : beside_all(of, LANE_RICH, &few, own, to, r);
         for (size_t j = 0; j < n; j++) {
             size_t k = number[j];
-            hits->status[k] = status[j];
+            hits->status[k] = status[j], begun[k] = own[j];
             if (hits->evals) hits->evals[k] = evals[j];
             if (status[j] != SGT_HIT) continue;
             sgt_hit one = hit_of_lane(&(lane){to.t[j], to.t_err[j], to.t_lo[j], to.px[j], to.py[j], to.pz[j],
@@ -468,12 +749,15 @@ SGT_NOINLINE static size_t beside_few(const beside *of, const sgt_tile *tile, co
 
 /* Answers hard rays of a tile. */
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
-                                const sgt_tile *tile, size_t before, const easy_tried *tried)
+                                const sgt_tile *tile, size_t before, easy_tried *tried)
 {
     beside_room r;
     const beside of = {s, b, h->terms <= FEW_TERMS, first};
     size_t hard = 0;
-    if (before < tile->n) return beside_few(&of, tile, tried->begun, &r);
+    if (tried->some)
+        before = tried->all ? graze_tile(&of, tile, tried) : beside_few(&of, true, tile, tried->begun, &r);
+    if (before == 0) return 0;
+    if (before < tile->n) return beside_few(&of, false, tile, tried->begun, &r);
     for (size_t i = 0, n; i < tile->n; i += n) {
         n = tile->n - i < SIDE_TILE ? tile->n - i : SIDE_TILE;
         const sgt_tile part = tile_part(tile, i, n);

@@ -79,8 +79,8 @@
 #include "../../num/bits.h"
 #include "easy.h"
 
-/* Evaluations: both ends, the start, the steps, the bound, and SHARP. */
-enum { SIDE_STEPS = 12, SIDE_LOOKS = SIDE_STEPS + 5 };
+/* Evaluations: both ends, the start, the steps, the bound, and SHARP; before them those of graze.h. */
+enum { SIDE_STEPS = 12, GRAZE_STEPS = 7, SIDE_LOOKS = SIDE_STEPS + 5 + GRAZE_STEPS + 1 };
 
 /* What all rays of a surface share.
  *
@@ -513,41 +513,54 @@ typedef struct side_found {
     mask above, below;
 } side_found;
 
-SGT_INLINE lane side_lane_at(const wavy *s, const convex *b, int terms, bool anew, const side_local *q,
-                             const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+/* What is known of it: t0, and is it certainly the one that is asked for? */
+typedef struct side_known {
+    double t0;
+    mask known;
+} side_known;
+
+SGT_INLINE lane side_lane_if(const wavy *s, int terms, bool anew, const side_local *q, const wavy_round *at,
+                             side_known is, const sgt_ray *ray, double t_tol)
 {
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
-    double t = found->t0 + at->tau;
+    double t = is.t0 + at->tau;
     near_root r = {.x = q->x,
                    .y = q->y,
                    .tau = at->tau,
                    .t = t,
                    .t_err = sgt_fma(1.01 * SGT_U, fabs(t), at->tau_err),
                    .tau_err = at->tau_err,
-                   .t0 = found->t0,
+                   .t0 = is.t0,
                    .small = at->tau};
     double px = sgt_fma(at->tau, l, q->x), py = sgt_fma(at->tau, m, q->y), rho = px * px + py * py,
-           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), rises = b->sign * found->inverse,
-           pz = sgt_fma(at->tau, n, q->z), steep2 = g * (g * rho),
-           inherited = fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y)));
-    mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
-                 (MASK(b->whole) | is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10)))),
-         place = MASK(steep2 < 0x1p40) &
+           dp = horner(s->slope, terms, rho), g = -s->c / at->v - (dp + dp), pz = sgt_fma(at->tau, n, q->z),
+           steep2 = g * (g * rho), inherited = fabs(g) * (rho + (fabs(px * q->x) + fabs(py * q->y)));
+    mask place = MASK(steep2 < 0x1p40) &
                  (MASK(inherited <= 12 * fabs(pz)) |
                   (MASK(steep2 > 8) & MASK(inherited * inherited <= 16 * (pz * pz) * (1 + steep2))));
     double off = 0;
     if (anew) {
         const twofold r2 = square_radius(px, py);
-        double phi2 = 1 - b->ckc * r2.hi, phi = sqrt(phi2), base = s->c * r2.hi / (1 + phi);
+        double phi2 = 1 - s->ck * s->c * r2.hi, phi = sqrt(phi2), base = s->c * r2.hi / (1 + phi);
         pz = sgt_fma(r2.hi, horner(s->a, terms, r2.hi), base) + sgt_fma(0.5 * s->c, 1 / phi, dp) * r2.lo;
         place = MASK(steep2 <= STEEP2) & MASK(phi2 > 0.25);
         off = SGT_U * sgt_fma(24, fabs(base), sgt_fma(4 * r2.hi, horner(s->size, terms, r2.hi), fabs(pz)));
     }
     lane e = lane_of(&r, ray, t_tol, &(lane_end){pz, g, at->near}, s->rim2, MASK(false),
-                     known & MASK(fabs(t) < 0x1p300) & place);
+                     is.known & MASK(fabs(t) < 0x1p300) & place);
     e.p_err += 2.1 * SGT_U * fabs(q->z);
     if (anew) e.p_err = sgt_fma(e.p_err * (1 + 0x1p-20), 1 + (fabs(e.nx) + fabs(e.ny)), off);
     return e;
+}
+
+SGT_INLINE lane side_lane_at(const wavy *s, const convex *b, int terms, bool anew, const side_local *q,
+                             const side_found *found, const wavy_round *at, const sgt_ray *ray, double t_tol)
+{
+    double px = sgt_fma(at->tau, ray->d.x, q->x), py = sgt_fma(at->tau, ray->d.y, q->y),
+           rho = px * px + py * py, rises = b->sign * found->inverse;
+    mask known = ((found->below & MASK(rises > 0)) | (found->above & MASK(rises < 0))) &
+                 (MASK(b->whole) | is_convex(b, terms, larger(found->r2, rho * (1 + 0x1p-10))));
+    return side_lane_if(s, terms, anew, q, at, (side_known){found->t0, known}, ray, t_tol);
 }
 
 SGT_INLINE lane side_lane(const wavy *s, const convex *b, int terms, const side_local *q,
@@ -611,8 +624,56 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
     return (side_sharper){q, at, root};
 }
 
-/* The single ray, and a tile (asphere/side.c); no proof is asked for. */
-easy_answer sgt_asphere_beside(const wavy *s, const shape *h, const sgt_ray *ray, lane *e, tally *w);
+/* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
+ * than 14 degrees from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which
+ * root is the first.  Then the form from the side, which is dearer by itself, is asked after them.  So it is
+ * asked at once, if it has an answer for nearly all such rays:
+ * - the surface is bent in one way as far out as the start, or as far as it goes (graze_bent; graze.h has the
+ *   first word), or
+ * - the slope at the start is too great for wavy_first_from.
+ * This is a choice between forms each of which is certain; a ray that the form from the side leaves makes the
+ * rounds after all, alone.  A ray without a beginning is not among these (wavy_hopeless).
+ *
+ * graze_conic: the equation A t^2 - 2 B t + C of the conic of curvature c + 2 a[0], from o, and B^2 - A C,
+ * the square of its slope.  From very far away that says little. */
+typedef struct graze_conic {
+    double B, C, D;
+} graze_conic;
+
+SGT_INLINE graze_conic graze_conic_of(const wavy *s, const convex *b, const sgt_ray *ray)
+{
+    const double x = ray->o.x, y = ray->o.y, z = ray->o.z, l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    double A = side_bend(s, b, ray), ckz = s->ck * z, B = n - sgt_fma(b->bowl, x * l + y * m, ckz * n),
+           C = sgt_fma(b->bowl, x * x + y * y, sgt_fma(ckz, z, -2 * z));
+    return (graze_conic){B, C, sgt_fma(B, B, -A * C)};
+}
+
+/* Does the ray run along, meet that conic at less than 14 degrees, and begin? */
+SGT_INLINE mask graze_flat(const wavy *s, const graze_conic *q, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z;
+    return wavy_along(ray) & MASK(16 * q->D < (l * l + m * m) + n * n) & ~wavy_single(s, l, m, n) &
+           MASK(ray->tmin > -HUGE_VAL);
+}
+
+SGT_INLINE mask graze_bent(const wavy *s, const convex *b, const graze_conic *q, const sgt_ray *ray)
+{
+    const double r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, ray->d.x, ray->d.y);
+    return graze_flat(s, q, ray) & MASK(smaller(r2, b->edge2) <= b->bent2);
+}
+
+SGT_INLINE mask grazes(const wavy *s, const convex *b, int terms, const sgt_ray *ray)
+{
+    const double l = ray->d.x, m = ray->d.y, n = ray->d.z, r2 = wavy_r2(ray->o.x, ray->o.y, ray->tmin, l, m);
+    const graze_conic q = graze_conic_of(s, b, ray);
+    return graze_bent(s, b, &q, ray) |
+           (graze_flat(s, &q, ray) & MASK(!(n * n > wavy_slope2(s, terms, r2) * (l * l + m * m))));
+}
+
+/* The single ray, and a tile (asphere/side.c); no proof is asked for.  grazing: it grazes, and is asked first
+ * here. */
+easy_answer sgt_asphere_beside(const wavy *s, const shape *h, bool grazing, const sgt_ray *ray, lane *e,
+                               tally *w);
 
 /* Which rays of a tile with tmin = 0 start on the surface, and meet nothing else, by the slope within the rim
  * (asphere/unique.c)?  behind[i]: the sign of F right behind such a start; 0: it is not known to be one.
@@ -641,12 +702,23 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
 bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
 
 /* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
+/* some: some of them may be asked by graze.h; all: all of them graze, and t, asked are those of a
+ * graze_seed. */
 typedef struct easy_tried {
-    bool begun[SGT_TILE], ended[SGT_TILE];
+    bool begun[SGT_TILE], ended[SGT_TILE], some, all;
+    double t[SGT_TILE];
+    mask asked[SGT_TILE];
 } easy_tried;
+
+/* Do all rays of a tile graze, by graze_bent or else?  Then t and asked are set, and `all`. */
+bool sgt_asphere_lanes_graze(const wavy *s, const convex *b, int terms, const sgt_tile *tile,
+                             easy_tried *tried);
+
+/* Do all rays of a tile certainly pass by, beyond the edge or past the heights? */
+bool sgt_asphere_lanes_past(const convex *b, const sgt_tile *tile);
 
 /* Answers hard rays of a tile.  before: how many are hard.  Returns how many are left. */
 size_t sgt_asphere_lanes_beside(const wavy *s, const shape *h, const convex *b, bool first,
-                                const sgt_tile *tile, size_t before, const easy_tried *tried);
+                                const sgt_tile *tile, size_t before, easy_tried *tried);
 
 #endif
