@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+/* easy.h - rays and surfaces of the second degree in closed form, without a branch: a lane and a single ray
+ * alike.
+ *
+ * The parabola is that of quadratic.h: g = A tau^2 + 2 B tau + C from the point of the ray nearest the
+ * centre.  Its roots are a guess, t1 + left, of which no bound is asked.  From o + t1 d, which is right to an
+ * ulp of each coordinate, `left` leads to the point p.  There F, its gradient and the bound on its rounding
+ * are worked out.  All that is told of the root rests on them.
+ *
+ * THE ROOT.  Along the ray from p, F is f + s v + K v^2 with K = UNIT A, and the exact ray passes p at a
+ * distance of at most e in each coordinate.  The point X at t1 is right to u |X|, and p is made of it by one
+ * fma: e_x = u (|X_x| + |p_x|) <= u (2 |p_x| + 2.01 |left|), as |d| < 2 in each component.  So |f - F| <= r, the
+ * rounding of F + sum e |F_x| + H (sum e)^2, where H is at least the sum of the magnitudes of all second
+ * derivatives of F.  Let s be the slope as computed.  Its products are off by less than 8 u of what they are
+ * made of.  That is at most 8 u (H E + L) in all, with E = sum e / u and L twice the sum of the linear terms'
+ * magnitudes; and e moves it by 2 u H E.  Where |s| > 2^-38 (H E + L) it is right to 2^-11 of itself.  K is
+ * right to 2^-12 of itself where |A| > 2^-36 Aa (E of quadratic.h is 2^-49).  Let G = |F| + r, and 2^12 K G <=
+ * s^2.  With w = 1.01 G / |s|,
+ *     |s| (1 - 2^-11) w - 1.01 K w^2 > 1.009 G - 0.001 G > |f|,
+ * so F has unlike signs at both ends of p +- w: a root lies between.  The other one is as far from it as the
+ * slope there is above K: at least 0.99 |s| / K.  So it is not in between.
+ *
+ * THE STEP.  At the root f + (s + K v) v = 0, so v + F / s is at most r / |s|, and 2^-10 |F / s| for what K v
+ * and s are off (K w is below 2^-11 |s|), and a rounding.  So t is taken a step of Newton's from p, at no
+ * further evaluation, and the point is told where it is.  1 / |s| is taken from the guess, 1 / 2 S, where the
+ * computed slope says that it is right to 2^-10: `inverse` is that, made greater.  The step is then off by
+ * another 2^-9 of itself.  In all, t is off by (1.01 r + 2^-8 |F|) `inverse`.
+ *
+ * WHICH OF THE TWO.  F falls toward the vertex from both roots.  So if s and A have unlike signs, the other
+ * root is behind this one: it is the first.  If they have like signs, it is the second, and the first lies at
+ * least 0.99 |s| / K before it.  If that is before tmin, no root comes before the second.  If Aa = 0, no term
+ * of A but what underflows is left: with H < 2^100, |A| < 2^-950, as d is off by 2^-1074.  So with |s| > 2^-400
+ * the other root is 2^550 away, and where tmin > -2^400 it is not before this one.
+ *
+ * ACCEPTED is a root by the rule of acceptance_of (solve/step.h) with its END_ERRORS.
+ *
+ * A MISS.  D < -De (quadratic.h), where no coefficient is made of what underflows; or D > 2^-10 N, N = Ba^2 +
+ * Aa Ca, and |A| > 2^-10 Aa: then both roots are known to less than 2^-20 (|tau| + their distance).  For the
+ * bound there is 32 u spread / S, S > 2^-5 Ba and S^2 > 2^-10 Aa Ca.  So Ca / S < 2^10 S / Aa <= 2^9 times
+ * the distance 2 S / |A|; 2 Ba |tau| / S < 2^6 |tau|; |A tau| <= |B| + S < 2^6 S, so Aa tau^2 / S < 2^16
+ * |tau|.  A root is not accepted where it lies beyond an end by more than that.
+ *
+ * UNDERFLOW.  The scaled d has a component in [1, 2), and is off by 2^-1074 where others underflow.  No sum
+ * of squares or products is off by more than 2^-1070 (1 + |x| + |y| + |z|) beyond what is said above, and where
+ * a miss asks for their bounds they are above 2^-900 of that.  F's own bound knows of it; for the point (2^-993
+ * + 2^-1053 |t1|) |grad F| is added to r.  As |s| < 2 |grad F|, t_err is then above 2^-998 lengths of the scaled
+ * d, and a root within START_LEAST of the start is not accepted.
+ *
+ * All else is hard: rays that graze, that start on the surface or within a part in 50 of the chord behind
+ * the first root, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
+ *
+ * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses have one of their own,
+ * for tiles that have any: it asks for the magnitudes of all terms.
+ *
+ * WHY APART.  By `first` and the lanes of ray/lanes.c a batch costs 5 times as much (quadric, ellipsoid). */
+#ifndef SGT_SURFACE_BODY_EASY_H
+#define SGT_SURFACE_BODY_EASY_H
+
+#include "../../solve/step.h"
+#include "../sag/lanes.h"
+#include "quadratic.h"
+
+/* What the first loop leaves for the second, and what that makes of it.
+ *
+ *   t0 A B C      the parabola, from t0
+ *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before tmin
+ *   inverse       that of the slope of the parabola there */
+typedef struct easy_parabola { double t0, A, B, C; } easy_parabola;
+typedef struct easy_aim { double t1, left, inverse; } easy_aim;
+
+SGT_INLINE easy_aim easy_aim_of(const easy_parabola *p, double from)
+{
+    const double A = p->A, B = p->B, D = B * B - A * p->C, S = sqrt(larger(D, 0)), q = -(B + copysign(S, B)),
+                 by = 1 / (S * q), near = p->C * (S * by), away = q / A, half = (0.5 * q) * by;
+    const mask up = MASK(A * copysign(1, B) > 0);
+    const double first = chosen(up, away, near), second = chosen(up, near, away);
+    const mask ahead = MASK(p->t0 + first > from);
+    const twofold t = two_sum(p->t0, chosen(ahead, first, second));
+    return (easy_aim){t.hi, t.lo, copysign(half, chosen(ahead, -A, A))};
+}
+
+/* Does the ray certainly miss?  (A MISS.) */
+SGT_INLINE mask easy_misses(const parabola *p, const near_ray *r, double tmin, double tmax)
+{
+    const double A = p->A, B = p->B, D = B * B - A * p->C, size = p->Ba * p->Ba + p->Aa * p->Ca,
+                 S = sqrt(larger(D, 0)), half = S / fabs(A), mid = -B / A, first = mid - half,
+                 second = mid + half, from = tmin * r->inverse, to = tmax * r->inverse, t0 = r->t0,
+                 least = 0x1p-900 * (1 + (fabs(r->x.x) + fabs(r->x.y) + fabs(r->x.z))),
+                 slack = 0x1p-20 * (fabs(t0) + fabs(mid) + half);
+    const mask known = MASK(D > 0x1p-10 * size) & MASK(fabs(A) > 0x1p-10 * p->Aa),
+               fine = MASK(p->Aa > least) & MASK(p->Ca > least) & MASK(size > 0x1p-900) & MASK(size < HUGE_VAL),
+               valid = MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
+    const mask past = MASK(t0 + second + slack < from), later = MASK(t0 + first - slack > to),
+               both = MASK(t0 + first + slack < from) & MASK(t0 + second - slack > to);
+    return fine & valid & (MASK(D < -DISCRIMINANT * size) | (known & (past | later | both)));
+}
+
+/* Has the direction been scaled exactly? */
+SGT_INLINE mask easy_whole(const near_ray *r, sgt_vec3 d)
+{
+    return MASK(r->d.x * r->inverse == d.x) & MASK(r->d.y * r->inverse == d.y) &
+           MASK(r->d.z * r->inverse == d.z) & MASK(r->scale < 0x1p1000) & MASK(r->scale > 0x1p-1000);
+}
+
+/* What is worked out at p: F, its gradient, and the bound on its rounding. */
+typedef struct easy_place { double f, x, y, z, own; } easy_place;
+
+/* What all rays share: UNIT, H and L + 2^-860. */
+typedef struct easy_shared { double unit, inverse_unit, bent, linear; } easy_shared;
+
+/* The answer.  hit: met; leads: it is the first root of the whole line. */
+typedef struct easy_root { double t, t_err, t_lo, p_err; mask hit, leads; } easy_root;
+
+/* p: the point at t1 + left.  The numbers up to the last lines are of the scaled direction. */
+SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool round, double A, double Aa,
+                                  easy_aim aim, sgt_vec3 p, easy_place at, double tmin, double tmax)
+{
+    const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
+                 gz = fabs(at.z), left = fabs(aim.left);
+    const double terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz) + 6.1 * left, bent = s->bent * E,
+                 slope = at.x * r->d.x + at.y * r->d.y + at.z * r->d.z, steep = fabs(slope), f = fabs(at.f),
+                 missed = (2.02 * left + 0x1p-940) + 0x1p-1000 * fabs(aim.t1),
+                 err = at.own + SGT_U * ((2.002 * terms + missed * (gx + gy + gz)) + bent * (SGT_U * E)),
+                 G = f + err, K = fabs(A) * s->unit, step = aim.inverse * s->inverse_unit,
+                 right = steep * fabs(step), inverse = 1.002 * fabs(step), tau = aim.left - at.f * step;
+    const twofold t = two_sum(aim.t1, tau);
+    const double t_err = fabs(t.lo) + ((1.02 * err + 0x1p-8 * f) * inverse + 2 * SGT_U * fabs(tau)),
+                 from = tmin * r->inverse, to = tmax * r->inverse, after = t.hi - from, ulps = SGT_U * fabs(t.hi),
+                 start = (END_ERRORS + 1) * t_err + (START_ULPS * terms * inverse + (END_ERRORS + 8) * ulps);
+    const mask linear = round ? 0
+                              : MASK(Aa == 0) & MASK(from > -0x1p400) & MASK(steep > 0x1p-400) &
+                                    MASK(s->bent < 0x1p100),
+               bends = MASK(fabs(A) > 0x1p-900) & (round ? MASK(true) : MASK(fabs(A) > 0x1p-36 * Aa)),
+               falls = MASK((round ? slope : slope * copysign(1, A)) < 0),
+               alone = MASK((after + t_err) * K < 0.98 * steep);
+    const mask root = MASK(f <= 32 * err) & MASK(right > 1 - 0x1p-10) & MASK(right < 1 + 0x1p-10) &
+                      MASK(steep > 0x1p-38 * (bent + s->linear)) & MASK(0x1p12 * K * G <= steep * steep) &
+                      (linear | (bends & (falls | alone)));
+    easy_root e;
+    e.t = t.hi * r->scale, e.t_lo = t.lo * r->scale, e.t_err = t_err * (1 + 8 * SGT_U) * r->scale;
+    e.p_err = (fabs(r->d.x) + fabs(r->d.y) + fabs(r->d.z)) * (1.02 * G * inverse) + 1.01 * SGT_U * E;
+    e.hit = root & MASK(after > start) & MASK(t.hi + END_ERRORS * (t_err + ulps) <= to) & MASK(e.t_err > 0x1p-1000) &
+            MASK(r->scale < 0x1p1000);
+    e.leads = linear | falls;
+    return e;
+}
+
+/* What the loops leave for each other: t0, A, B, C, then t1, A, left, inverse; and Aa. */
+typedef struct easy_room {
+    _Alignas(64) double t0[SGT_TILE];
+    double A[SGT_TILE], B[SGT_TILE], C[SGT_TILE], Aa[SGT_TILE];
+} easy_room;
+
+/* Of misses and of rays that are hard NaN is written.  status: that of a miss where misses is set. */
+SGT_KERNEL
+static void easy_unmet(const lane_to *to, size_t count)
+{
+    const lane_to own = *to;
+    const double none = (double)NAN;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const mask hit = own.hit[i];
+        own.t[i] = chosen(hit, own.t[i], none), own.t_err[i] = chosen(hit, own.t_err[i], none);
+        own.px[i] = chosen(hit, own.px[i], none), own.py[i] = chosen(hit, own.py[i], none);
+        own.pz[i] = chosen(hit, own.pz[i], none), own.nx[i] = chosen(hit, own.nx[i], none);
+        own.ny[i] = chosen(hit, own.ny[i], none), own.nz[i] = chosen(hit, own.nz[i], none);
+        own.t_lo[i] = chosen(hit, own.t_lo[i], none), own.p_err[i] = chosen(hit, own.p_err[i], none);
+    }
+}
+
+/* The answer of a single ray.  false: it is hard. */
+static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place at, const sgt_ray *ray,
+                           const sgt_options *opt, sgt_hit *hit)
+{
+    if (e->hit == 0) *hit = hit_without(SGT_MISS, ray, 0);
+    if (e->hit == 0) return none != 0;
+    tally w = {.opt = opt};
+    const meeting h = {.t = e->t, .t_lo = e->t_lo, .t_err = e->t_err, .p_err = e->p_err, .p = p,
+                       .n = {at.x, at.y, at.z}};
+    *hit = hit_at(&h, SGT_HIT, at.f, SGT_SEED, ray, &w);
+    return true;
+}
+
+/* Defines NAME_easy and NAME_easy_one (`easy`, `easy_one` of sgt_builtin_ops) for a surface of this kind:
+ *
+ *   SELF, OBJECT               its type; is a parameter invalid?
+ *   ROUND                      is A a sum of squares, right to 2^-12 of itself?
+ *   SHARED, MADE(self)         what all rays share: with `self`, and `easy`, an easy_shared
+ *   APPROACH(s, o, d, &p, &r)  makes the parabola and the local ray, from SELF
+ *   PLACE(&a, p)               an easy_place
+ *
+ * near: only the first root of the whole line is wanted. */
+#define EASY_LANES(NAME, SELF, OBJECT, ROUND, SHARED, MADE, APPROACH, PLACE)                                \
+    SGT_KERNEL                                                                                              \
+    static void NAME##_easy_begin(const SHARED *shared, size_t count, const sgt_rays *rays, easy_room *room) \
+    {                                                                                                       \
+        const SELF s = shared->self;                                                                        \
+        const sgt_rays in = *rays;                                                                          \
+        LANES for (size_t i = 0; i < count; i++)                                                            \
+        {                                                                                                   \
+            const sgt_ray ray = lane_ray_of(&in, i);                                                        \
+            parabola q;                                                                                     \
+            near_ray r;                                                                                     \
+            APPROACH(&s, ray.o, ray.d, &q, &r);                                                             \
+            room->t0[i] = r.t0, room->A[i] = q.A, room->B[i] = q.B, room->C[i] = q.C, room->Aa[i] = q.Aa;   \
+        }                                                                                                   \
+    }                                                                                                       \
+    SGT_INLINE easy_root NAME##_easy_end(const SHARED *s, const sgt_ray *ray, double A, double Aa,          \
+                                         easy_aim aim, mask near, sgt_vec3 *p, easy_place *at)              \
+    {                                                                                                       \
+        const near_ray r = near_ray_of(ray->d);                                                             \
+        const double l = r.d.x, m = r.d.y, n = r.d.z, t = aim.t1, left = aim.left;                          \
+        const sgt_vec3 x = {moved_along(ray->o.x, t, l), moved_along(ray->o.y, t, m),                       \
+                            moved_along(ray->o.z, t, n)};                                                   \
+        *p = (sgt_vec3){sgt_fma(left, l, x.x), sgt_fma(left, m, x.y), sgt_fma(left, n, x.z)};               \
+        *at = PLACE(s, *p);                                                                                 \
+        easy_root e = easy_root_of(&s->easy, &r, ROUND, A, Aa, aim, *p, *at, ray->tmin, ray->tmax);         \
+        e.hit &= e.leads | ~near;                                                                           \
+        return e;                                                                                           \
+    }                                                                                                       \
+    SGT_KERNEL                                                                                              \
+    static mask NAME##_easy_lanes(const SHARED *shared, size_t count, const sgt_rays *rays,                 \
+                                  const easy_room *room, const lane_to *rows_to, mask near)                 \
+    {                                                                                                       \
+        const SHARED own = *shared, *s = &own;                                                              \
+        const sgt_rays in = *rays;                                                                          \
+        const lane_to to = *rows_to;                                                                        \
+        mask all = MASK(true);                                                                              \
+        _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++)                           \
+        {                                                                                                   \
+            const sgt_ray ray = lane_ray_of(&in, i);                                                        \
+            const easy_aim aim = {room->t0[i], room->B[i], room->C[i]};                                     \
+            sgt_vec3 p;                                                                                     \
+            easy_place at;                                                                                  \
+            const easy_root e = NAME##_easy_end(s, &ray, room->A[i], room->Aa[i], aim, near, &p, &at);      \
+            to.t[i] = e.t, to.t_err[i] = e.t_err, to.t_lo[i] = e.t_lo, to.p_err[i] = e.p_err;               \
+            to.px[i] = p.x, to.py[i] = p.y, to.pz[i] = p.z;                                                 \
+            to.nx[i] = at.x, to.ny[i] = at.y, to.nz[i] = at.z;                                              \
+            to.hit[i] = e.hit;                                                                              \
+            all &= e.hit;                                                                                   \
+        }                                                                                                   \
+        return all;                                                                                         \
+    }                                                                                                       \
+    SGT_KERNEL                                                                                              \
+    static void NAME##_easy_missed(const SHARED *shared, size_t count, const sgt_rays *rays, mask *none)    \
+    {                                                                                                       \
+        const SELF s = shared->self;                                                                        \
+        const sgt_rays in = *rays;                                                                          \
+        LANES for (size_t i = 0; i < count; i++)                                                            \
+        {                                                                                                   \
+            const sgt_ray ray = lane_ray_of(&in, i);                                                        \
+            parabola q;                                                                                     \
+            near_ray r;                                                                                     \
+            APPROACH(&s, ray.o, ray.d, &q, &r);                                                             \
+            none[i] = easy_misses(&q, &r, ray.tmin, ray.tmax) & easy_whole(&r, ray.d);                      \
+        }                                                                                                   \
+    }                                                                                                       \
+    SGT_NOINLINE static size_t NAME##_easy_missing(const SHARED *shared, const sgt_tile *tile,              \
+                                                   const mask *hit)                                         \
+    {                                                                                                       \
+        mask none[SGT_TILE];                                                                                \
+        size_t hard = 0;                                                                                    \
+        NAME##_easy_missed(shared, tile->n, &tile->rays, none);                                             \
+        for (size_t i = 0; i < tile->n; i++) {                                                              \
+            const sgt_status is = hit[i] != 0 ? SGT_HIT : none[i] != 0 ? SGT_MISS : SGT_HARD;               \
+            tile->hits.status[i] = is, hard += is == SGT_HARD;                                              \
+        }                                                                                                   \
+        return hard;                                                                                        \
+    }                                                                                                       \
+    static size_t NAME##_easy(const void *self, const sgt_tile *tile, bool near)                            \
+    {                                                                                                       \
+        easy_room room;                                                                                     \
+        lane_ends ends;                                                                                     \
+        const size_t n = tile->n;                                                                           \
+        size_t hard = 0;                                                                                    \
+        if (OBJECT(self).reason || n > SGT_TILE) {                                                          \
+            memset(tile->hits.status, SGT_HARD, n);                                                         \
+            return n;                                                                                       \
+        }                                                                                                   \
+        const SHARED s = MADE(self);                                                                        \
+        const lane_to to = lane_to_of(tile, &ends);                                                         \
+        NAME##_easy_begin(&s, n, &tile->rays, &room);                                                       \
+        easy_aims(n, &tile->rays, &room);                                                                   \
+        const mask all = NAME##_easy_lanes(&s, n, &tile->rays, &room, &to, MASK(near));                     \
+        if (all != 0) memset(tile->hits.status, SGT_HIT, n);                                                \
+        else easy_unmet(&to, n), hard = NAME##_easy_missing(&s, tile, ends.hit);                            \
+        for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = tile->hits.status[i] == SGT_HIT; \
+        return hard;                                                                                        \
+    }                                                                                                       \
+    static bool NAME##_easy_one(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit) \
+    {                                                                                                       \
+        const SHARED s = MADE(self);                                                                        \
+        parabola q;                                                                                         \
+        near_ray r;                                                                                         \
+        sgt_vec3 p;                                                                                         \
+        easy_place at;                                                                                      \
+        APPROACH(&s.self, ray->o, ray->d, &q, &r);                                                          \
+        const easy_parabola of = {r.t0, q.A, q.B, q.C};                                                     \
+        const easy_aim aim = easy_aim_of(&of, ray->tmin * r.inverse);                                       \
+        const mask near = MASK(opt->pick == SGT_NEAR_SEED);                                                 \
+        const easy_root e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, near, &p, &at);                        \
+        mask none = 0;                                                                                      \
+        if (e.hit == 0) none = easy_misses(&q, &r, ray->tmin, ray->tmax) & easy_whole(&r, ray->d);          \
+        return easy_answer_of(&e, none, p, at, ray, opt, hit);                                              \
+    }
+
+/* The second loop. */
+SGT_KERNEL
+static void easy_aims(size_t count, const sgt_rays *rays, easy_room *room)
+{
+    const double *x = rays->d[0], *y = rays->d[1], *z = rays->d[2], *tmin = rays->tmin;
+    LANES for (size_t i = 0; i < count; i++)
+    {
+        const easy_parabola p = {room->t0[i], room->A[i], room->B[i], room->C[i]};
+        const easy_aim a = easy_aim_of(&p, tmin[i] * inverse_of_scale((sgt_vec3){x[i], y[i], z[i]}));
+        room->t0[i] = a.t1, room->B[i] = a.left, room->C[i] = a.inverse;
+    }
+}
+
+#endif
