@@ -32,6 +32,12 @@
  * of A but what underflows is left: with H < 2^100, |A| < 2^-950, as d is off by 2^-1074.  So with |s| > 2^-400
  * the other root is 2^550 away, and where tmin > -2^400 it is not before this one.
  *
+ * A START ON THE SURFACE is judged as in quadratic.h: by F at the start, K and the slope there, all of them as
+ * above.  If it is the second root or the only one, no root is accepted.  If it is the first, that is not
+ * accepted, and the second is looked for.  (Could a ray be met as well, as one that does not start there?  Its
+ * root would be END_ERRORS times t_err and more behind the start.  A start is within 1.2 times the rounding of F
+ * there and half of the rule of a root.  So the order of trials changes nothing.)
+ *
  * ACCEPTED is a root by the rule of acceptance_of (solve/step.h) with its END_ERRORS.
  *
  * A MISS.  D < -De (quadratic.h), where no coefficient is made of what underflows; or D > 2^-10 N, N = Ba^2 +
@@ -46,8 +52,8 @@
  * + 2^-1053 |t1|) |grad F| is added to r.  As |s| < 2 |grad F|, t_err is then above 2^-998 lengths of the scaled
  * d, and a root within START_LEAST of the start is not accepted.
  *
- * All else is hard: rays that graze, that start on the surface or within a part in 50 of the chord behind
- * the first root, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
+ * All else is hard: rays that graze, that start within a part in 50 of the chord behind the first root and not
+ * on the surface, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
  *
  * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses have one of their own,
  * for tiles that have any: it asks for the magnitudes of all terms.
@@ -64,17 +70,18 @@
  *
  *   t0 A B C      the parabola, from t0
  *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before tmin
+ *                 or at the start (on)
  *   inverse       that of the slope of the parabola there */
 typedef struct easy_parabola { double t0, A, B, C; } easy_parabola;
 typedef struct easy_aim { double t1, left, inverse; } easy_aim;
 
-SGT_INLINE easy_aim easy_aim_of(const easy_parabola *p, double from)
+SGT_INLINE easy_aim easy_aim_of(const easy_parabola *p, double from, mask on)
 {
     const double A = p->A, B = p->B, D = B * B - A * p->C, S = sqrt(larger(D, 0)), q = -(B + copysign(S, B)),
                  by = 1 / (S * q), near = p->C * (S * by), away = q / A, half = (0.5 * q) * by;
     const mask up = MASK(A * copysign(1, B) > 0);
     const double first = chosen(up, away, near), second = chosen(up, near, away);
-    const mask ahead = MASK(p->t0 + first > from);
+    const mask ahead = MASK(p->t0 + first > from) & ~on;
     const twofold t = two_sum(p->t0, chosen(ahead, first, second));
     return (easy_aim){t.hi, t.lo, copysign(half, chosen(ahead, -A, A))};
 }
@@ -108,12 +115,33 @@ typedef struct easy_place { double f, x, y, z, own; } easy_place;
 /* What all rays share: UNIT, H and L + 2^-860. */
 typedef struct easy_shared { double unit, inverse_unit, bent, linear; } easy_shared;
 
+/* Does the ray start on the surface?  first: at the first root of two; gone: at the last of its roots. */
+typedef struct easy_start { mask first, gone; } easy_start;
+
+/* p: the start, `from` of the scaled direction. */
+SGT_INLINE easy_start easy_start_of(const easy_shared *s, const near_ray *r, bool round, double A, double Aa,
+                                    sgt_vec3 p, easy_place at, double from)
+{
+    const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
+                 gz = fabs(at.z), terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz), bent = s->bent * E,
+                 slope = at.x * r->d.x + at.y * r->d.y + at.z * r->d.z, steep = fabs(slope), f = fabs(at.f),
+                 err = at.own + SGT_U * ((4 * terms + 0x1p-940 * (gx + gy + gz)) + bent * (SGT_U * E)),
+                 K = fabs(A) * s->unit, width = START_ULPS * terms;
+    const mask linear = round ? 0 : MASK(Aa == 0) & MASK(steep > 0x1p-400) & MASK(s->bent < 0x1p100),
+               bends = MASK(fabs(A) > 0x1p-900) & (round ? MASK(true) : MASK(fabs(A) > 0x1p-36 * Aa)),
+               falls = MASK((round ? slope : slope * copysign(1, A)) < 0);
+    const mask on = MASK(f <= 0.5 * width + 0.125 * err) & MASK(err <= 16 * width) & MASK(width > TINY) &
+                    MASK(fabs(from) < 0x1p400) & MASK(steep > 0x1p-38 * (bent + s->linear)) &
+                    MASK(0x1p12 * K * (f + err) <= steep * steep) & MASK(r->scale < 0x1p1000);
+    return (easy_start){on & ~linear & bends & falls, on & (linear | (bends & ~falls))};
+}
+
 /* The answer.  hit: met; leads: it is the first root of the whole line. */
 typedef struct easy_root { double t, t_err, t_lo, p_err; mask hit, leads; } easy_root;
 
-/* p: the point at t1 + left.  The numbers up to the last lines are of the scaled direction. */
+/* p: the point at t1 + left; on: the first root is the start.  The numbers up to the last lines are of the scaled direction. */
 SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool round, double A, double Aa,
-                                  easy_aim aim, sgt_vec3 p, easy_place at, double tmin, double tmax)
+                                  easy_aim aim, mask on, sgt_vec3 p, easy_place at, double tmin, double tmax)
 {
     const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
                  gz = fabs(at.z), left = fabs(aim.left);
@@ -132,7 +160,7 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
                                     MASK(s->bent < 0x1p100),
                bends = MASK(fabs(A) > 0x1p-900) & (round ? MASK(true) : MASK(fabs(A) > 0x1p-36 * Aa)),
                falls = MASK((round ? slope : slope * copysign(1, A)) < 0),
-               alone = MASK((after + t_err) * K < 0.98 * steep);
+               alone = on | MASK((after + t_err) * K < 0.98 * steep);
     const mask root = MASK(f <= 32 * err) & MASK(right > 1 - 0x1p-10) & MASK(right < 1 + 0x1p-10) &
                       MASK(steep > 0x1p-38 * (bent + s->linear)) & MASK(0x1p12 * K * G <= steep * steep) &
                       (linear | (bends & (falls | alone)));
@@ -145,13 +173,15 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
     return e;
 }
 
-/* What the loops leave for each other: t0, A, B, C, then t1, A, left, inverse; and Aa. */
+/* What the loops leave for each other: t0, A, B, C, then t1, A, left, inverse; Aa; which rays start at the first
+ * root. */
 typedef struct easy_room {
     _Alignas(64) double t0[SGT_TILE];
     double A[SGT_TILE], B[SGT_TILE], C[SGT_TILE], Aa[SGT_TILE];
+    mask on[SGT_TILE];
 } easy_room;
 
-/* Of misses and of rays that are hard NaN is written.  status: that of a miss where misses is set. */
+/* NaN of rays that are not met. */
 SGT_KERNEL
 static void easy_unmet(const lane_to *to, size_t count)
 {
@@ -166,6 +196,30 @@ static void easy_unmet(const lane_to *to, size_t count)
         own.ny[i] = chosen(hit, own.ny[i], none), own.nz[i] = chosen(hit, own.nz[i], none);
         own.t_lo[i] = chosen(hit, own.t_lo[i], none), own.p_err[i] = chosen(hit, own.p_err[i], none);
     }
+}
+
+/* Is there a ray that is neither met nor known to miss? */
+static bool easy_left(size_t n, const mask *hit, const mask *none)
+{
+    mask all = MASK(true);
+    for (size_t i = 0; i < n; i++) all &= hit[i] | none[i];
+    return all == 0;
+}
+
+/* Writes what is known of a tile.  to: NULL if no ray is met.  Returns how many rays are hard. */
+static size_t easy_told(const sgt_tile *tile, const lane_to *to, mask all, const mask *none, const mask *gone)
+{
+    const size_t n = tile->n;
+    size_t hard = 0;
+    if (all != 0) memset(tile->hits.status, SGT_HIT, n);
+    else if (to) easy_unmet(to, n);
+    for (size_t i = 0; all == 0 && i < n; i++) {
+        const mask hit = to ? to->hit[i] : 0, left = ~(hit | none[i] | gone[i]);
+        tile->hits.status[i] = (signed char)((int)(hit & SGT_HIT) | (int)(left & (mask)SGT_HARD));
+        hard += left != 0;
+    }
+    for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = tile->hits.status[i] == SGT_HIT;
+    return hard;
 }
 
 /* The answer of a single ray.  false: it is hard. */
@@ -206,7 +260,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         }                                                                                                   \
     }                                                                                                       \
     SGT_INLINE easy_root NAME##_easy_end(const SHARED *s, const sgt_ray *ray, double A, double Aa,          \
-                                         easy_aim aim, mask near, sgt_vec3 *p, easy_place *at)              \
+                                         easy_aim aim, mask on, sgt_vec3 *p, easy_place *at)                \
     {                                                                                                       \
         const near_ray r = near_ray_of(ray->d);                                                             \
         const double l = r.d.x, m = r.d.y, n = r.d.z, t = aim.t1, left = aim.left;                          \
@@ -214,9 +268,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
                             moved_along(ray->o.z, t, n)};                                                   \
         *p = (sgt_vec3){sgt_fma(left, l, x.x), sgt_fma(left, m, x.y), sgt_fma(left, n, x.z)};               \
         *at = PLACE(s, *p);                                                                                 \
-        easy_root e = easy_root_of(&s->easy, &r, ROUND, A, Aa, aim, *p, *at, ray->tmin, ray->tmax);         \
-        e.hit &= e.leads | ~near;                                                                           \
-        return e;                                                                                           \
+        return easy_root_of(&s->easy, &r, ROUND, A, Aa, aim, on, *p, *at, ray->tmin, ray->tmax);            \
     }                                                                                                       \
     SGT_KERNEL                                                                                              \
     static mask NAME##_easy_lanes(const SHARED *shared, size_t count, const sgt_rays *rays,                 \
@@ -232,12 +284,13 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
             const easy_aim aim = {room->t0[i], room->B[i], room->C[i]};                                     \
             sgt_vec3 p;                                                                                     \
             easy_place at;                                                                                  \
-            const easy_root e = NAME##_easy_end(s, &ray, room->A[i], room->Aa[i], aim, near, &p, &at);      \
+            const easy_root e = NAME##_easy_end(s, &ray, room->A[i], room->Aa[i], aim, room->on[i], &p, &at); \
+            const mask hit = e.hit & (e.leads | ~near);                                                     \
             to.t[i] = e.t, to.t_err[i] = e.t_err, to.t_lo[i] = e.t_lo, to.p_err[i] = e.p_err;               \
             to.px[i] = p.x, to.py[i] = p.y, to.pz[i] = p.z;                                                 \
             to.nx[i] = at.x, to.ny[i] = at.y, to.nz[i] = at.z;                                              \
-            to.hit[i] = e.hit;                                                                              \
-            all &= e.hit;                                                                                   \
+            to.hit[i] = hit;                                                                                \
+            all &= hit;                                                                                     \
         }                                                                                                   \
         return all;                                                                                         \
     }                                                                                                       \
@@ -255,37 +308,59 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
             none[i] = easy_misses(&q, &r, ray.tmin, ray.tmax) & easy_whole(&r, ray.d);                      \
         }                                                                                                   \
     }                                                                                                       \
-    SGT_NOINLINE static size_t NAME##_easy_missing(const SHARED *shared, const sgt_tile *tile,              \
-                                                   const mask *hit)                                         \
+    SGT_INLINE easy_start NAME##_easy_begins(const SHARED *s, const sgt_ray *ray, double A, double Aa)      \
     {                                                                                                       \
-        mask none[SGT_TILE];                                                                                \
-        size_t hard = 0;                                                                                    \
-        NAME##_easy_missed(shared, tile->n, &tile->rays, none);                                             \
-        for (size_t i = 0; i < tile->n; i++) {                                                              \
-            const sgt_status is = hit[i] != 0 ? SGT_HIT : none[i] != 0 ? SGT_MISS : SGT_HARD;               \
-            tile->hits.status[i] = is, hard += is == SGT_HARD;                                              \
+        const near_ray r = near_ray_of(ray->d);                                                             \
+        const double from = ray->tmin * r.inverse;                                                          \
+        const sgt_vec3 p = outset_of(ray->o, r.d, from);                                                    \
+        return easy_start_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from);                             \
+    }                                                                                                       \
+    SGT_KERNEL                                                                                              \
+    static mask NAME##_easy_starts(const SHARED *shared, size_t count, const sgt_rays *rays, easy_room *room, \
+                                   mask *gone)                                                              \
+    {                                                                                                       \
+        const SHARED own = *shared, *s = &own;                                                              \
+        const sgt_rays in = *rays;                                                                          \
+        mask any = 0;                                                                                       \
+        _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)                           \
+        {                                                                                                   \
+            const sgt_ray ray = lane_ray_of(&in, i);                                                        \
+            const easy_start is = NAME##_easy_begins(s, &ray, room->A[i], room->Aa[i]);                     \
+            room->on[i] = is.first, gone[i] = is.gone;                                                      \
+            any |= is.first;                                                                                \
         }                                                                                                   \
-        return hard;                                                                                        \
+        return any;                                                                                         \
     }                                                                                                       \
     static size_t NAME##_easy(const void *self, const sgt_tile *tile, bool near)                            \
     {                                                                                                       \
         easy_room room;                                                                                     \
         lane_ends ends;                                                                                     \
+        mask gone[SGT_TILE], none[SGT_TILE];                                                                \
         const size_t n = tile->n;                                                                           \
-        size_t hard = 0;                                                                                    \
         if (OBJECT(self).reason || n > SGT_TILE) {                                                          \
             memset(tile->hits.status, SGT_HARD, n);                                                         \
             return n;                                                                                       \
         }                                                                                                   \
         const SHARED s = MADE(self);                                                                        \
+        const sgt_rays *rays = &tile->rays;                                                                 \
         const lane_to to = lane_to_of(tile, &ends);                                                         \
-        NAME##_easy_begin(&s, n, &tile->rays, &room);                                                       \
-        easy_aims(n, &tile->rays, &room);                                                                   \
-        const mask all = NAME##_easy_lanes(&s, n, &tile->rays, &room, &to, MASK(near));                     \
-        if (all != 0) memset(tile->hits.status, SGT_HIT, n);                                                \
-        else easy_unmet(&to, n), hard = NAME##_easy_missing(&s, tile, ends.hit);                            \
-        for (size_t i = 0; tile->hits.evals && i < n; i++) tile->hits.evals[i] = tile->hits.status[i] == SGT_HIT; \
-        return hard;                                                                                        \
+        const sgt_ray first = lane_ray_of(rays, 0);                                                         \
+        memset(room.on, 0, sizeof room.on), memset(none, 0, sizeof none), memset(gone, 0, sizeof gone);     \
+        NAME##_easy_begin(&s, n, rays, &room);                                                              \
+        const easy_start begins = NAME##_easy_begins(&s, &first, room.A[0], room.Aa[0]);                    \
+        const bool starts = !near && (begins.first | begins.gone) != 0;                                     \
+        if (starts && NAME##_easy_starts(&s, n, rays, &room, gone) == 0 && !easy_left(n, gone, none))       \
+            return lane_nothing(tile), easy_told(tile, NULL, 0, none, gone);                                \
+        easy_aims(n, rays, &room);                                                                          \
+        mask all = NAME##_easy_lanes(&s, n, rays, &room, &to, MASK(near));                                  \
+        if (all == 0) NAME##_easy_missed(&s, n, rays, none);                                                \
+        if (all == 0 && !near && !starts && easy_left(n, ends.hit, none) &&                                 \
+            NAME##_easy_starts(&s, n, rays, &room, gone) != 0) {                                            \
+            NAME##_easy_begin(&s, n, rays, &room); /* all: those that were met get the same answer */       \
+            easy_aims(n, rays, &room);                                                                      \
+            all = NAME##_easy_lanes(&s, n, rays, &room, &to, 0);                                            \
+        }                                                                                                   \
+        return easy_told(tile, &to, all, none, near ? none : gone);                                         \
     }                                                                                                       \
     static bool NAME##_easy_one(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit) \
     {                                                                                                       \
@@ -296,11 +371,20 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         easy_place at;                                                                                      \
         APPROACH(&s.self, ray->o, ray->d, &q, &r);                                                          \
         const easy_parabola of = {r.t0, q.A, q.B, q.C};                                                     \
-        const easy_aim aim = easy_aim_of(&of, ray->tmin * r.inverse);                                       \
-        const mask near = MASK(opt->pick == SGT_NEAR_SEED);                                                 \
-        const easy_root e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, near, &p, &at);                        \
+        const bool near = opt->pick == SGT_NEAR_SEED;                                                       \
+        easy_aim aim = easy_aim_of(&of, ray->tmin * r.inverse, 0);                                          \
+        easy_root e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, 0, &p, &at);                                 \
         mask none = 0;                                                                                      \
+        if (near) e.hit &= e.leads;                                                                         \
         if (e.hit == 0) none = easy_misses(&q, &r, ray->tmin, ray->tmax) & easy_whole(&r, ray->d);          \
+        if (e.hit == 0 && none == 0 && !near) {                                                             \
+            const easy_start is = NAME##_easy_begins(&s, ray, q.A, q.Aa);                                   \
+            none = is.gone;                                                                                 \
+            if (is.first != 0) {                                                                            \
+                aim = easy_aim_of(&of, ray->tmin * r.inverse, is.first);                                    \
+                e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, is.first, &p, &at);                            \
+            }                                                                                               \
+        }                                                                                                   \
         return easy_answer_of(&e, none, p, at, ray, opt, hit);                                              \
     }
 
@@ -312,7 +396,8 @@ static void easy_aims(size_t count, const sgt_rays *rays, easy_room *room)
     LANES for (size_t i = 0; i < count; i++)
     {
         const easy_parabola p = {room->t0[i], room->A[i], room->B[i], room->C[i]};
-        const easy_aim a = easy_aim_of(&p, tmin[i] * inverse_of_scale((sgt_vec3){x[i], y[i], z[i]}));
+        const double from = tmin[i] * inverse_of_scale((sgt_vec3){x[i], y[i], z[i]});
+        const easy_aim a = easy_aim_of(&p, from, room->on[i]);
         room->t0[i] = a.t1, room->B[i] = a.left, room->C[i] = a.inverse;
     }
 }

@@ -406,11 +406,22 @@ static second_degree second_degree_of(const sgt_quadric *s)
     return (second_degree){*s, a, {1, 1, 2 * bent * (1 + 0x1p-40), 2 * linear + 0x1p-860}};
 }
 
+/* The rounding of F, as sizes_rounding has it, by Horner's rule: the same sum of magnitudes, with another
+ * rounding, which the factor covers. */
+SGT_INLINE double degree_rounding(const sgt_quadric *size, double x, double y, double z)
+{
+    const double *a = size->squares, *b = size->products, *c = size->linear;
+    x = fabs(x), y = fabs(y), z = fabs(z);
+    const double sum = (x * (((a[0] * x + b[0] * y) + b[2] * z) + c[0]) + y * ((a[1] * y + b[1] * z) + c[1])) +
+                       (z * (a[2] * z + c[2]) + size->constant);
+    return 9 * SGT_U * (1 + 0x1p-40) * sum + 0x1p-1020 * (1 + (x + y + z));
+}
+
 SGT_INLINE easy_place degree_place(const second_degree *s, sgt_vec3 p)
 {
     rows g;
     const double f = quadric_at(&s->self, p.x, p.y, p.z, &g);
-    return (easy_place){f, g.x, g.y, g.z, sizes_rounding(&s->size, p.x, p.y, p.z)};
+    return (easy_place){f, g.x, g.y, g.z, degree_rounding(&s->size, p.x, p.y, p.z)};
 }
 
 EASY_LANES(quadric, sgt_quadric, quadric_object, false, second_degree, second_degree_of, quadric_approach,
