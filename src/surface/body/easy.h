@@ -71,7 +71,7 @@
  *   t0 A B C      the parabola, from t0
  *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before tmin
  *                 or at the start (on)
- *   inverse       that of the slope of the parabola there */
+ *   inverse       that of the magnitude of its slope there */
 typedef struct easy_parabola { double t0, A, B, C; } easy_parabola;
 typedef struct easy_aim { double t1, left, inverse; } easy_aim;
 
@@ -83,7 +83,7 @@ SGT_INLINE easy_aim easy_aim_of(const easy_parabola *p, double from, mask on)
     const double first = chosen(up, away, near), second = chosen(up, near, away);
     const mask ahead = MASK(p->t0 + first > from) & ~on;
     const twofold t = two_sum(p->t0, chosen(ahead, first, second));
-    return (easy_aim){t.hi, t.lo, copysign(half, chosen(ahead, -A, A))};
+    return (easy_aim){t.hi, t.lo, fabs(half)};
 }
 
 /* Does the ray certainly miss?  (A MISS.) */
@@ -149,8 +149,8 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
                  slope = at.x * r->d.x + at.y * r->d.y + at.z * r->d.z, steep = fabs(slope), f = fabs(at.f),
                  missed = (2.02 * left + 0x1p-940) + 0x1p-1000 * fabs(aim.t1),
                  err = at.own + SGT_U * ((2.002 * terms + missed * (gx + gy + gz)) + bent * (SGT_U * E)),
-                 G = f + err, K = fabs(A) * s->unit, step = aim.inverse * s->inverse_unit,
-                 right = steep * fabs(step), inverse = 1.002 * fabs(step), tau = aim.left - at.f * step;
+                 G = f + err, K = fabs(A) * s->unit, by = aim.inverse * s->inverse_unit,
+                 right = steep * by, inverse = 1.002 * by, tau = aim.left - at.f * copysign(by, slope);
     const twofold t = two_sum(aim.t1, tau);
     const double t_err = fabs(t.lo) + ((1.02 * err + 0x1p-8 * f) * inverse + 2 * SGT_U * fabs(tau)),
                  from = tmin * r->inverse, to = tmax * r->inverse, after = t.hi - from, ulps = SGT_U * fabs(t.hi),
