@@ -74,8 +74,8 @@ static size_t not_unique(sgt_surface s, const sgt_tile *tile)
     return more;
 }
 
-/* Runs of at least `least` rays with that status go through the quick form in lanes.  Returns how many rays of
- * the tile are then hard. */
+/* Runs of at least `least` rays with that status go through the quick form in lanes.  Returns how many rays
+ * of the tile are then hard. */
 static size_t runs_of(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard, sgt_status of,
                       size_t least)
 {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 // Ellipsoids and quadrics of every kind, by closed form (src/surface/body/easy.h): each number of a batch.
 //
-// The kinds: ellipsoids of revolution from flat to long; quadrics made of three forms with coefficients of any
-// sign, turned and moved: ellipsoids, hyperboloids, cones, cylinders, paraboloids, saddles, pairs of planes, a
-// plane; or such a one with a weight that nearly vanishes.  The unit of length is 2^k, |k| <= 300.  Rays come
-// from near by and from up to 1e14 units, along an axis, near tangents, on the surface and next to it, with ends
-// anywhere and beside roots.
+// The kinds: ellipsoids of revolution from flat to long; quadrics made of three forms with coefficients of
+// any sign, turned and moved: ellipsoids, hyperboloids, cones, cylinders, paraboloids, saddles, pairs of
+// planes, a plane; or such a one with a weight that nearly vanishes.  The unit of length is 2^k, |k| <= 300.
+// Rays come from near by and from up to 1e14 units, along an axis, near tangents, on the surface and next to
+// it, with ends anywhere and beside roots.
 //
-// The roots are those of the parabola about the point of the ray nearest the middle, to 113 bits.  Where these
-// can tell:
-//   a hit        is the first root that counts, within t_err; the point on the surface is within p_err of p; f
-//                and n are those of `value` at p;
+// The roots are those of the parabola about the point of the ray nearest the middle, to 113 bits.  Where
+// these can tell:
+//   a hit        is the first root that counts, within t_err; the point on the surface is within p_err of p;
+//                f and n are those of `value` at p;
 //   a miss       has no root that counts;
 //   undecided    has none before lo;
 //   near         a root that counts, or none does;
@@ -86,8 +86,8 @@ truth truth_of(const form &f, const sgt_ray &ray)
                eB = unit * (two(f, around, along, true) + one(f, along, true)) + two(f, off, along, true),
                eC = unit * (two(f, around, around, true) + one(f, around, true) + magnitude(f.c)) +
                     2 * two(f, around, off, true) + one(f, off, true);
-    const quad D = B * B - A * C, eD = 2 * magnitude(B) * eB + magnitude(A) * eC + magnitude(C) * eA + eB * eB +
-                                       eA * eC + unit * (B * B + magnitude(A * C));
+    const quad D = B * B - A * C, eD = 2 * magnitude(B) * eB + magnitude(A) * eC + magnitude(C) * eA +
+                                       eB * eB + eA * eC + unit * (B * B + magnitude(A * C));
     if (D < -eD) return r.known = true, r;
     if (!(D > 4096 * eD)) return r;
     const quad S = square_root(D), b = -(B + (B < 0 ? -S : S));
@@ -97,8 +97,8 @@ truth truth_of(const form &f, const sgt_ray &ray)
     std::sort(t.begin(), t.end());
     r.known = true;
     for (const quad at : t) {
-        crossing c = {at + t0, 0, (magnitude(at) * (eA * magnitude(at) + 2 * eB) + eC) / S + unit * magnitude(at),
-                      {}};
+        crossing c = {at + t0, 0, (magnitude(at) * (eA * magnitude(at) + 2 * eB) + eC) / S, {}};
+        c.off += unit * magnitude(at);
         quad spread = 0;
         for (int i = 0; i < 3; i++) c.p.x[i] = x.x[i] + at * d.x[i];
         for (int i = 0; i < 3; i++) {
@@ -158,7 +158,8 @@ void judge(const question &q, bool near)
 {
     const sgt_hit &h = q.hit;
     const truth t = truth_of(q.f, q.ray);
-    asked++, hits += h.status == SGT_HIT, misses += h.status == SGT_MISS, others += h.status != SGT_HIT && h.status;
+    asked++, hits += h.status == SGT_HIT, misses += h.status == SGT_MISS;
+    others += h.status != SGT_HIT && h.status;
     const sgt_hit &g = q.one;
     if (h.status != g.status || h.evals != g.evals || !same(h.t, g.t) || !same(h.t_err, g.t_err) ||
         !same(h.t_lo, g.t_lo) || !same(h.p_err, g.p_err) || !same(h.p.x, g.p.x) || !same(h.p.y, g.p.y) ||
@@ -208,8 +209,8 @@ void unit_vector(generator &g, double v[3])
 }
 
 enum { revolution, any_signs, cone, cylinder, paraboloid, planes, plane, faint, kinds };
-const char *const names[] = {"ellipsoids", "quadrics", "cones", "cylinders", "paraboloids", "planes", "a plane",
-                             "nearly less"};
+const char *const names[] = {"ellipsoids",  "quadrics", "cones",   "cylinders",
+                             "paraboloids", "planes",   "a plane", "nearly less"};
 
 sgt_quadric quadric(generator &g, int kind)
 {
@@ -223,7 +224,8 @@ sgt_quadric quadric(generator &g, int kind)
     double last = -g.log_uniform(0.2, 20), push = 0;
     if (kind == cone) w[2] = -std::fabs(w[2]), last = 0;
     if (kind == cylinder || kind == paraboloid || kind == planes || kind == plane) w[2] = 0;
-    if (kind == planes) w[1] = g.chance(0.5) ? 0 : -std::fabs(w[1]) * (w[0] > 0 ? 1 : -1), last = w[1] != 0 ? 0 : last;
+    if (kind == planes) w[1] = g.chance(0.5) ? 0 : -std::fabs(w[1]) * (w[0] > 0 ? 1 : -1);
+    if (kind == planes && w[1] != 0) last = 0;
     if (kind == paraboloid || kind == plane) push = g.sign() * g.log_uniform(0.1, 10);
     if (kind == plane) w[0] = w[1] = 0;
     if (kind == faint) w[2] *= g.log_uniform(1e-18, 1e-3);
@@ -247,7 +249,10 @@ sgt_quadric quadric(generator &g, int kind)
 
 sgt_vec3 scaled(sgt_vec3 a, int k) { return {std::ldexp(a.x, k), std::ldexp(a.y, k), std::ldexp(a.z, k)}; }
 
-sgt_vec3 along(const sgt_ray &r, double t) { return {r.o.x + t * r.d.x, r.o.y + t * r.d.y, r.o.z + t * r.d.z}; }
+sgt_vec3 along(const sgt_ray &r, double t)
+{
+    return {r.o.x + t * r.d.x, r.o.y + t * r.d.y, r.o.z + t * r.d.z};
+}
 
 // A ray in units of 1.
 sgt_ray random_ray(generator &g, const sgt_surface &s)
@@ -256,7 +261,7 @@ sgt_ray random_ray(generator &g, const sgt_surface &s)
     unit_vector(g, d);
     if (g.chance(0.2)) { // along an axis, or nearly
         const int axis = g.below(3);
-        const double tilt = g.chance(0.5) ? 0 : g.chance(0.1) ? g.log_uniform(1e-320, 1e-20) : g.log_uniform(1e-20, 1e-2);
+        const double tilt = g.chance(0.5) ? 0 : g.log_uniform(g.chance(0.1) ? 1e-320 : 1e-20, 1e-2);
         for (int i = 0; i < 3; i++) d[i] = i == axis ? g.sign() : tilt * g.uniform(-1, 1);
     }
     for (int i = 0; i < 3; i++) p[i] = g.uniform(-spread, spread);
@@ -330,7 +335,8 @@ void ask(generator &g, int kind, int many)
         ends(g, a);
         if (j && std::isfinite(a.ray.tmin)) a.ray.tmin = std::ldexp(a.ray.tmin, -j);
         if (j && std::isfinite(a.ray.tmax)) a.ray.tmax = std::ldexp(a.ray.tmax, -j);
-        const double x[8] = {a.ray.o.x, a.ray.o.y, a.ray.o.z, a.ray.d.x, a.ray.d.y, a.ray.d.z, a.ray.tmin, a.ray.tmax};
+        const sgt_ray &r = a.ray;
+        const double x[8] = {r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax};
         for (int i = 0; i < 8; i++) in[i].push_back(x[i]);
     }
     for (auto &x : out) x.resize(n);
@@ -340,8 +346,11 @@ void ask(generator &g, int kind, int many)
     for (int i = 0; i < 3; i++) h.p[i] = out[4 + i].data(), h.n[i] = out[7 + i].data();
     sgt_options o = {};
     o.pick = g.chance(0.25) ? SGT_NEAR_SEED : SGT_FIRST;
-    sgt_intersect_batch(s, n, {{in[0].data(), in[1].data(), in[2].data()}, {in[3].data(), in[4].data(), in[5].data()},
-                               in[6].data(), in[7].data()}, h, &o);
+    const sgt_rays rays = {{in[0].data(), in[1].data(), in[2].data()},
+                           {in[3].data(), in[4].data(), in[5].data()},
+                           in[6].data(),
+                           in[7].data()};
+    sgt_intersect_batch(s, n, rays, h, &o);
     for (std::size_t i = 0; i < n; i++) {
         question &a = all[i];
         a.one = sgt_intersect(s, a.ray, &o), a.hit = {};
@@ -362,10 +371,11 @@ int main(int argc, char **argv)
         kind_name = names[kind];
         asked = hits = misses = others = unknown = 0;
         for (long done = 0; done < r.count; done++) ask(g, kind, 1 + g.below(g.chance(0.5) ? 9 : 160));
-        std::printf("%-12s %ld answers: %ld hits, %ld misses, %ld others; %ld not judged\n", kind_name, asked, hits,
-                    misses, others, unknown);
+        std::printf("%-12s %ld answers: %ld hits, %ld misses, %ld others; %ld not judged\n", kind_name, asked,
+                    hits, misses, others, unknown);
         std::fflush(stdout);
-        if (hits < asked / 8 || unknown > asked / 2) failed[std::string(kind_name) + ": these rays are no test"]++;
+        if (hits < asked / 8 || unknown > asked / 2)
+            failed[std::string(kind_name) + ": these rays are no test"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
     return !failed.empty();

@@ -9,13 +9,13 @@
  *
  * THE ROOT.  Along the ray from p, F is f + s v + K v^2 with K = UNIT A, and the exact ray passes p at a
  * distance of at most e in each coordinate.  The point X at t1 is right to u |X|, and p is made of it by one
- * fma: e_x = u (|X_x| + |p_x|) <= u (2 |p_x| + 2.01 |left|), as |d| < 2 in each component.  So |f - F| <= r, the
- * rounding of F + sum e |F_x| + H (sum e)^2, where H is at least the sum of the magnitudes of all second
+ * fma: e_x = u (|X_x| + |p_x|) <= u (2 |p_x| + 2.01 |left|), as |d| < 2 in each component.  So |f - F| <= r,
+ * the rounding of F + sum e |F_x| + H (sum e)^2, where H is at least the sum of the magnitudes of all second
  * derivatives of F.  Let s be the slope as computed.  Its products are off by less than 8 u of what they are
- * made of.  That is at most 8 u (H E + L) in all, with E = sum e / u and L twice the sum of the linear terms'
- * magnitudes; and e moves it by 2 u H E.  Where |s| > 2^-38 (H E + L) it is right to 2^-11 of itself.  K is
- * right to 2^-12 of itself where |A| > 2^-36 Aa (E of quadratic.h is 2^-49).  Let G = |F| + r, and 2^12 K G <=
- * s^2.  With w = 1.01 G / |s|,
+ * made of.  That is at most 8 u (H E + L) in all, with E = sum e / u and L twice the sum of the linear
+ * terms' magnitudes; and e moves it by 2 u H E.  Where |s| > 2^-38 (H E + L) it is right to 2^-11 of itself.
+ * K is right to 2^-12 of itself where |A| > 2^-36 Aa (E of quadratic.h is 2^-49).  Let G = |F| + r, and 2^12
+ * K G <= s^2.  With w = 1.01 G / |s|,
  *     |s| (1 - 2^-11) w - 1.01 K w^2 > 1.009 G - 0.001 G > |f|,
  * so F has unlike signs at both ends of p +- w: a root lies between.  The other one is as far from it as the
  * slope there is above K: at least 0.99 |s| / K.  So it is not in between.
@@ -27,16 +27,16 @@
  * another 2^-9 of itself.  In all, t is off by (1.01 r + 2^-8 |F|) `inverse`.
  *
  * WHICH OF THE TWO.  F falls toward the vertex from both roots.  So if s and A have unlike signs, the other
- * root is behind this one: it is the first.  If they have like signs, it is the second, and the first lies at
- * least 0.99 |s| / K before it.  If that is before tmin, no root comes before the second.  If Aa = 0, no term
- * of A but what underflows is left: with H < 2^100, |A| < 2^-950, as d is off by 2^-1074.  So with |s| > 2^-400
- * the other root is 2^550 away, and where tmin > -2^400 it is not before this one.
+ * root is behind this one: it is the first.  If they have like signs, it is the second, and the first lies
+ * at least 0.99 |s| / K before it.  If that is before tmin, no root comes before the second.  If Aa = 0, no
+ * term of A but what underflows is left: with H < 2^100, |A| < 2^-950, as d is off by 2^-1074.  So with |s|
+ * > 2^-400 the other root is 2^550 away, and where tmin > -2^400 it is not before this one.
  *
- * A START ON THE SURFACE is judged as in quadratic.h: by F at the start, K and the slope there, all of them as
- * above.  If it is the second root or the only one, no root is accepted.  If it is the first, that is not
- * accepted, and the second is looked for.  (Could a ray be met as well, as one that does not start there?  Its
- * root would be END_ERRORS times t_err and more behind the start.  A start is within 1.2 times the rounding of F
- * there and half of the rule of a root.  So the order of trials changes nothing.)
+ * A START ON THE SURFACE is judged as in quadratic.h: by F at the start, K and the slope there, all of them
+ * as above.  If it is the second root or the only one, no root is accepted.  If it is the first, that is not
+ * accepted, and the second is looked for.  (Could a ray be met as well, as one that does not start there?
+ * Its root would be END_ERRORS times t_err and more behind the start.  A start is within 1.2 times the
+ * rounding of F there and half of the rule of a root.  So the order of trials changes nothing.)
  *
  * ACCEPTED is a root by the rule of acceptance_of (solve/step.h) with its END_ERRORS.
  *
@@ -47,13 +47,13 @@
  * |tau|.  A root is not accepted where it lies beyond an end by more than that.
  *
  * UNDERFLOW.  The scaled d has a component in [1, 2), and is off by 2^-1074 where others underflow.  No sum
- * of squares or products is off by more than 2^-1070 (1 + |x| + |y| + |z|) beyond what is said above, and where
- * a miss asks for their bounds they are above 2^-900 of that.  F's own bound knows of it; for the point (2^-993
- * + 2^-1053 |t1|) |grad F| is added to r.  As |s| < 2 |grad F|, t_err is then above 2^-998 lengths of the scaled
- * d, and a root within START_LEAST of the start is not accepted.
+ * of squares or products is off by more than 2^-1070 (1 + |x| + |y| + |z|) beyond what is said above, and
+ * where a miss asks for their bounds they are above 2^-900 of that.  F's own bound knows of it; for the
+ * point (2^-993 + 2^-1053 |t1|) |grad F| is added to r.  As |s| < 2 |grad F|, t_err is then above 2^-998
+ * lengths of the scaled d, and a root within START_LEAST of the start is not accepted.
  *
- * All else is hard: rays that graze, that start within a part in 50 of the chord behind the first root and not
- * on the surface, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
+ * All else is hard: rays that graze, that start within a part in 50 of the chord behind the first root and
+ * not on the surface, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
  *
  * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses have one of their own,
  * for tiles that have any: it asks for the magnitudes of all terms.
@@ -69,8 +69,8 @@
 /* What the first loop leaves for the second, and what that makes of it.
  *
  *   t0 A B C      the parabola, from t0
- *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before tmin
- *                 or at the start (on)
+ *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before
+ *                 tmin or at the start (on)
  *   inverse       that of the magnitude of its slope there */
 typedef struct easy_parabola { double t0, A, B, C; } easy_parabola;
 typedef struct easy_aim { double t1, left, inverse; } easy_aim;
@@ -95,7 +95,8 @@ SGT_INLINE mask easy_misses(const parabola *p, const near_ray *r, double tmin, d
                  least = 0x1p-900 * (1 + (fabs(r->x.x) + fabs(r->x.y) + fabs(r->x.z))),
                  slack = 0x1p-20 * (fabs(t0) + fabs(mid) + half);
     const mask known = MASK(D > 0x1p-10 * size) & MASK(fabs(A) > 0x1p-10 * p->Aa),
-               fine = MASK(p->Aa > least) & MASK(p->Ca > least) & MASK(size > 0x1p-900) & MASK(size < HUGE_VAL),
+               fine = MASK(p->Aa > least) & MASK(p->Ca > least) & MASK(size > 0x1p-900) &
+                      MASK(size < HUGE_VAL),
                valid = MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
     const mask past = MASK(t0 + second + slack < from), later = MASK(t0 + first - slack > to),
                both = MASK(t0 + first + slack < from) & MASK(t0 + second - slack > to);
@@ -116,14 +117,15 @@ typedef struct easy_place { double f, x, y, z, own; } easy_place;
 typedef struct easy_shared { double unit, inverse_unit, bent, linear; } easy_shared;
 
 /* Does the ray start on the surface?  first: at the first root of two; gone: at the last of its roots. */
-typedef struct easy_start { mask first, gone; } easy_start;
+typedef struct easy_outset { mask first, gone; } easy_outset;
 
 /* p: the start, `from` of the scaled direction. */
-SGT_INLINE easy_start easy_start_of(const easy_shared *s, const near_ray *r, bool round, double A, double Aa,
-                                    sgt_vec3 p, easy_place at, double from)
+SGT_INLINE easy_outset easy_outset_of(const easy_shared *s, const near_ray *r, bool round, double A,
+                                      double Aa, sgt_vec3 p, easy_place at, double from)
 {
     const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
-                 gz = fabs(at.z), terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz), bent = s->bent * E,
+                 gz = fabs(at.z), terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz),
+                 bent = s->bent * E,
                  slope = at.x * r->d.x + at.y * r->d.y + at.z * r->d.z, steep = fabs(slope), f = fabs(at.f),
                  err = at.own + SGT_U * ((4 * terms + 0x1p-940 * (gx + gy + gz)) + bent * (SGT_U * E)),
                  K = fabs(A) * s->unit, width = START_ULPS * terms;
@@ -133,13 +135,14 @@ SGT_INLINE easy_start easy_start_of(const easy_shared *s, const near_ray *r, boo
     const mask on = MASK(f <= 0.5 * width + 0.125 * err) & MASK(err <= 16 * width) & MASK(width > TINY) &
                     MASK(fabs(from) < 0x1p400) & MASK(steep > 0x1p-38 * (bent + s->linear)) &
                     MASK(0x1p12 * K * (f + err) <= steep * steep) & MASK(r->scale < 0x1p1000);
-    return (easy_start){on & ~linear & bends & falls, on & (linear | (bends & ~falls))};
+    return (easy_outset){on & ~linear & bends & falls, on & (linear | (bends & ~falls))};
 }
 
 /* The answer.  hit: met; leads: it is the first root of the whole line. */
 typedef struct easy_root { double t, t_err, t_lo, p_err; mask hit, leads; } easy_root;
 
-/* p: the point at t1 + left; on: the first root is the start.  The numbers up to the last lines are of the scaled direction. */
+/* p: the point at t1 + left; on: the first root is the start.  The numbers up to the last lines are of the
+ * scaled direction. */
 SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool round, double A, double Aa,
                                   easy_aim aim, mask on, sgt_vec3 p, easy_place at, double tmin, double tmax)
 {
@@ -153,7 +156,8 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
                  right = steep * by, inverse = 1.002 * by, tau = aim.left - at.f * copysign(by, slope);
     const twofold t = two_sum(aim.t1, tau);
     const double t_err = fabs(t.lo) + ((1.02 * err + 0x1p-8 * f) * inverse + 2 * SGT_U * fabs(tau)),
-                 from = tmin * r->inverse, to = tmax * r->inverse, after = t.hi - from, ulps = SGT_U * fabs(t.hi),
+                 from = tmin * r->inverse, to = tmax * r->inverse, after = t.hi - from,
+                 ulps = SGT_U * fabs(t.hi),
                  start = (END_ERRORS + 1) * t_err + (START_ULPS * terms * inverse + (END_ERRORS + 8) * ulps);
     const mask linear = round ? 0
                               : MASK(Aa == 0) & MASK(from > -0x1p400) & MASK(steep > 0x1p-400) &
@@ -167,14 +171,14 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
     easy_root e;
     e.t = t.hi * r->scale, e.t_lo = t.lo * r->scale, e.t_err = t_err * (1 + 8 * SGT_U) * r->scale;
     e.p_err = (fabs(r->d.x) + fabs(r->d.y) + fabs(r->d.z)) * (1.02 * G * inverse) + 1.01 * SGT_U * E;
-    e.hit = root & MASK(after > start) & MASK(t.hi + END_ERRORS * (t_err + ulps) <= to) & MASK(e.t_err > 0x1p-1000) &
-            MASK(r->scale < 0x1p1000);
+    e.hit = root & MASK(after > start) & MASK(t.hi + END_ERRORS * (t_err + ulps) <= to) &
+            MASK(e.t_err > 0x1p-1000) & MASK(r->scale < 0x1p1000);
     e.leads = linear | falls;
     return e;
 }
 
-/* What the loops leave for each other: t0, A, B, C, then t1, A, left, inverse; Aa; which rays start at the first
- * root. */
+/* What the loops leave for each other: t0, A, B, C, then t1, A, left, inverse; Aa; which rays start at the
+ * first root. */
 typedef struct easy_room {
     _Alignas(64) double t0[SGT_TILE];
     double A[SGT_TILE], B[SGT_TILE], C[SGT_TILE], Aa[SGT_TILE];
@@ -284,7 +288,8 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
             const easy_aim aim = {room->t0[i], room->B[i], room->C[i]};                                     \
             sgt_vec3 p;                                                                                     \
             easy_place at;                                                                                  \
-            const easy_root e = NAME##_easy_end(s, &ray, room->A[i], room->Aa[i], aim, room->on[i], &p, &at); \
+            const mask on = room->on[i];                                                                    \
+            const easy_root e = NAME##_easy_end(s, &ray, room->A[i], room->Aa[i], aim, on, &p, &at);        \
             const mask hit = e.hit & (e.leads | ~near);                                                     \
             to.t[i] = e.t, to.t_err[i] = e.t_err, to.t_lo[i] = e.t_lo, to.p_err[i] = e.p_err;               \
             to.px[i] = p.x, to.py[i] = p.y, to.pz[i] = p.z;                                                 \
@@ -308,16 +313,16 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
             none[i] = easy_misses(&q, &r, ray.tmin, ray.tmax) & easy_whole(&r, ray.d);                      \
         }                                                                                                   \
     }                                                                                                       \
-    SGT_INLINE easy_start NAME##_easy_begins(const SHARED *s, const sgt_ray *ray, double A, double Aa)      \
+    SGT_INLINE easy_outset NAME##_easy_begins(const SHARED *s, const sgt_ray *ray, double A, double Aa)      \
     {                                                                                                       \
         const near_ray r = near_ray_of(ray->d);                                                             \
         const double from = ray->tmin * r.inverse;                                                          \
         const sgt_vec3 p = outset_of(ray->o, r.d, from);                                                    \
-        return easy_start_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from);                             \
+        return easy_outset_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from);                             \
     }                                                                                                       \
     SGT_KERNEL                                                                                              \
-    static mask NAME##_easy_starts(const SHARED *shared, size_t count, const sgt_rays *rays, easy_room *room, \
-                                   mask *gone)                                                              \
+    static mask NAME##_easy_starts(const SHARED *shared, size_t count, const sgt_rays *rays,                \
+                                   easy_room *room, mask *gone)                                             \
     {                                                                                                       \
         const SHARED own = *shared, *s = &own;                                                              \
         const sgt_rays in = *rays;                                                                          \
@@ -325,7 +330,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)                           \
         {                                                                                                   \
             const sgt_ray ray = lane_ray_of(&in, i);                                                        \
-            const easy_start is = NAME##_easy_begins(s, &ray, room->A[i], room->Aa[i]);                     \
+            const easy_outset is = NAME##_easy_begins(s, &ray, room->A[i], room->Aa[i]);                     \
             room->on[i] = is.first, gone[i] = is.gone;                                                      \
             any |= is.first;                                                                                \
         }                                                                                                   \
@@ -347,7 +352,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         const sgt_ray first = lane_ray_of(rays, 0);                                                         \
         memset(room.on, 0, sizeof room.on), memset(none, 0, sizeof none), memset(gone, 0, sizeof gone);     \
         NAME##_easy_begin(&s, n, rays, &room);                                                              \
-        const easy_start begins = NAME##_easy_begins(&s, &first, room.A[0], room.Aa[0]);                    \
+        const easy_outset begins = NAME##_easy_begins(&s, &first, room.A[0], room.Aa[0]);                    \
         const bool starts = !near && (begins.first | begins.gone) != 0;                                     \
         if (starts && NAME##_easy_starts(&s, n, rays, &room, gone) == 0 && !easy_left(n, gone, none))       \
             return lane_nothing(tile), easy_told(tile, NULL, 0, none, gone);                                \
@@ -378,7 +383,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         if (near) e.hit &= e.leads;                                                                         \
         if (e.hit == 0) none = easy_misses(&q, &r, ray->tmin, ray->tmax) & easy_whole(&r, ray->d);          \
         if (e.hit == 0 && none == 0 && !near) {                                                             \
-            const easy_start is = NAME##_easy_begins(&s, ray, q.A, q.Aa);                                   \
+            const easy_outset is = NAME##_easy_begins(&s, ray, q.A, q.Aa);                                   \
             none = is.gone;                                                                                 \
             if (is.first != 0) {                                                                            \
                 aim = easy_aim_of(&of, ray->tmin * r.inverse, is.first);                                    \

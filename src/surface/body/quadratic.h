@@ -16,8 +16,8 @@
  * and |tau| <= Ca / S, 16 E^2 Aa spread <= D, so over that distance spread at most doubles.
  *
  * The same holds for q / A if |A| > 2^-20 Aa, since |q| <= 2^23 S.  For smaller A (a ray nearly along the
- * axis of a paraboloid) with |q| <= 3 S, C / q is still right, and q / A is right to half of itself as
- * long as |A| > 8 E Aa.  If Aa = 0, there is only one root: what has underflown in A is below 2^-1060, and moves
+ * axis of a paraboloid) with |q| <= 3 S, C / q is still right, and q / A is right to half of itself as long
+ * as |A| > 8 E Aa.  If Aa = 0, there is only one root: what has underflown in A is below 2^-1060, and moves
  * it by nothing if Ca is below 2^900 Ba^2.
  *
  * THE VERTEX -B / A PARTS THE TWO.  `first` gives one of two stretches:

@@ -412,7 +412,8 @@ SGT_INLINE double degree_rounding(const sgt_quadric *size, double x, double y, d
 {
     const double *a = size->squares, *b = size->products, *c = size->linear;
     x = fabs(x), y = fabs(y), z = fabs(z);
-    const double sum = (x * (((a[0] * x + b[0] * y) + b[2] * z) + c[0]) + y * ((a[1] * y + b[1] * z) + c[1])) +
+    const double first = x * (((a[0] * x + b[0] * y) + b[2] * z) + c[0]),
+                 sum = (first + y * ((a[1] * y + b[1] * z) + c[1])) +
                        (z * (a[2] * z + c[2]) + size->constant);
     return 9 * SGT_U * (1 + 0x1p-40) * sum + 0x1p-1020 * (1 + (x + y + z));
 }
@@ -424,8 +425,8 @@ SGT_INLINE easy_place degree_place(const second_degree *s, sgt_vec3 p)
     return (easy_place){f, g.x, g.y, g.z, degree_rounding(&s->size, p.x, p.y, p.z)};
 }
 
-EASY_LANES(quadric, sgt_quadric, quadric_object, false, second_degree, second_degree_of, quadric_approach,
-           degree_place)
+EASY_LANES(quadric, sgt_quadric, quadric_object, false, second_degree, second_degree_of,
+           quadric_approach, degree_place)
 
 static const struct sgt_builtin_ops quadric_builtin = {
     .object = quadric_object, .roundings = quadric_roundings, .enclose = sgt_quadric_enclose_from,
