@@ -243,7 +243,7 @@ sgt_quadric quadric(generator &g, int kind)
         const double rise = 2 * q.squares[i] * at[i] + pj * at[j] + pk * at[k];
         shift += rise * at[i] / 2 - q.linear[i] * at[i], q.linear[i] -= rise;
     }
-    q.constant = last + shift;
+    q.constant = g.chance(0.15) ? 0 : last + shift; // through the origin the rule of the start is narrow
     return q;
 }
 
@@ -264,7 +264,8 @@ sgt_ray random_ray(generator &g, const sgt_surface &s)
         const double tilt = g.chance(0.5) ? 0 : g.log_uniform(g.chance(0.1) ? 1e-320 : 1e-20, 1e-2);
         for (int i = 0; i < 3; i++) d[i] = i == axis ? g.sign() : tilt * g.uniform(-1, 1);
     }
-    for (int i = 0; i < 3; i++) p[i] = g.uniform(-spread, spread);
+    const double size = g.chance(0.1) ? g.log_uniform(1e-20, 1e-3) : spread;
+    for (int i = 0; i < 3; i++) p[i] = g.uniform(-size, size);
     const double away = g.chance(0.1) ? g.log_uniform(1, 1e14) : g.uniform(-2, 12);
     sgt_ray r = {{p[0] - away * d[0], p[1] - away * d[1], p[2] - away * d[2]}, {d[0], d[1], d[2]}, 0, 0};
     const int way = g.below(6);
