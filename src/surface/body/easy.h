@@ -58,7 +58,8 @@
  * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses have one of their own,
  * for tiles that have any: it asks for the magnitudes of all terms.
  *
- * WHY APART.  By `first` and the lanes of ray/lanes.c a batch costs 5 times as much (quadric, ellipsoid). */
+ * WHY APART.  By `first` and the lanes of ray/lanes.c a batch costs 2.9 and 3.3 times the instructions
+ * (quadric, ellipsoid; by callgrind, AVX2). */
 #ifndef SGT_SURFACE_BODY_EASY_H
 #define SGT_SURFACE_BODY_EASY_H
 
@@ -203,7 +204,7 @@ static void easy_unmet(const lane_to *to, size_t count)
 }
 
 /* Is there a ray that is neither met nor known to miss? */
-static bool easy_left(size_t n, const mask *hit, const mask *none)
+SGT_NOINLINE static bool easy_left(size_t n, const mask *hit, const mask *none)
 {
     mask all = MASK(true);
     for (size_t i = 0; i < n; i++) all &= hit[i] | none[i];
@@ -211,7 +212,8 @@ static bool easy_left(size_t n, const mask *hit, const mask *none)
 }
 
 /* Writes what is known of a tile.  to: NULL if no ray is met.  Returns how many rays are hard. */
-static size_t easy_told(const sgt_tile *tile, const lane_to *to, mask all, const mask *none, const mask *gone)
+SGT_NOINLINE static size_t easy_told(const sgt_tile *tile, const lane_to *to, mask all, const mask *none,
+                                     const mask *gone)
 {
     const size_t n = tile->n;
     size_t hard = 0;
@@ -336,6 +338,18 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         }                                                                                                   \
         return any;                                                                                         \
     }                                                                                                       \
+    SGT_NOINLINE static easy_outset NAME##_easy_begins_one(const SHARED *s, const sgt_ray *ray, double A,   \
+                                                           double Aa)                                       \
+    {                                                                                                       \
+        return NAME##_easy_begins(s, ray, A, Aa);                                                           \
+    }                                                                                                       \
+    SGT_NOINLINE static easy_root NAME##_easy_met(const SHARED *s, const sgt_ray *ray, const parabola *q,   \
+                                                  double t0, mask on, sgt_vec3 *p, easy_place *at)          \
+    {                                                                                                       \
+        const easy_parabola of = {t0, q->A, q->B, q->C};                                                    \
+        const easy_aim aim = easy_aim_of(&of, ray->tmin * inverse_of_scale(ray->d), on);                    \
+        return NAME##_easy_end(s, ray, q->A, q->Aa, aim, on, p, at);                                        \
+    }                                                                                                       \
     static size_t NAME##_easy(const void *self, const sgt_tile *tile, bool near)                            \
     {                                                                                                       \
         easy_room room;                                                                                     \
@@ -352,7 +366,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         const sgt_ray first = lane_ray_of(rays, 0);                                                         \
         memset(room.on, 0, sizeof room.on), memset(none, 0, sizeof none), memset(gone, 0, sizeof gone);     \
         NAME##_easy_begin(&s, n, rays, &room);                                                              \
-        const easy_outset begins = NAME##_easy_begins(&s, &first, room.A[0], room.Aa[0]);                    \
+        const easy_outset begins = NAME##_easy_begins_one(&s, &first, room.A[0], room.Aa[0]);               \
         const bool starts = !near && (begins.first | begins.gone) != 0;                                     \
         if (starts && NAME##_easy_starts(&s, n, rays, &room, gone) == 0 && !easy_left(n, gone, none))       \
             return lane_nothing(tile), easy_told(tile, NULL, 0, none, gone);                                \
@@ -375,20 +389,15 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         sgt_vec3 p;                                                                                         \
         easy_place at;                                                                                      \
         APPROACH(&s.self, ray->o, ray->d, &q, &r);                                                          \
-        const easy_parabola of = {r.t0, q.A, q.B, q.C};                                                     \
         const bool near = opt->pick == SGT_NEAR_SEED;                                                       \
-        easy_aim aim = easy_aim_of(&of, ray->tmin * r.inverse, 0);                                          \
-        easy_root e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, 0, &p, &at);                                 \
+        easy_root e = NAME##_easy_met(&s, ray, &q, r.t0, 0, &p, &at);                                       \
         mask none = 0;                                                                                      \
         if (near) e.hit &= e.leads;                                                                         \
         if (e.hit == 0) none = easy_misses(&q, &r, ray->tmin, ray->tmax) & easy_whole(&r, ray->d);          \
         if (e.hit == 0 && none == 0 && !near) {                                                             \
-            const easy_outset is = NAME##_easy_begins(&s, ray, q.A, q.Aa);                                   \
+            const easy_outset is = NAME##_easy_begins_one(&s, ray, q.A, q.Aa);                              \
             none = is.gone;                                                                                 \
-            if (is.first != 0) {                                                                            \
-                aim = easy_aim_of(&of, ray->tmin * r.inverse, is.first);                                    \
-                e = NAME##_easy_end(&s, ray, q.A, q.Aa, aim, is.first, &p, &at);                            \
-            }                                                                                               \
+            if (is.first != 0) e = NAME##_easy_met(&s, ray, &q, r.t0, is.first, &p, &at);                   \
         }                                                                                                   \
         return easy_answer_of(&e, none, p, at, ray, opt, hit);                                              \
     }
