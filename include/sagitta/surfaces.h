@@ -307,7 +307,9 @@ typedef struct sgt_ellipsoid {
  *     (x^2 + y^2 + z^2 + R^2 - r^2)^2 = 4 R^2 (x^2 + y^2).
  * With rho^2 = x^2 + y^2, F = ((rho - R)^2 + z^2 - r^2) / 2 r: near the surface a
  * distance to first order.  If minor > major it is a spindle, with its inner part; F is
- * then the quartic over 8 r R (R + r).  Parameters: major, minor.  Example:
+ * then the quartic over 8 r R (R + r).  Where R + r is above 2^330 (1e99), of a spindle
+ * 2^240, or below the inverse, its powers leave the range of doubles, and rays are mostly
+ * undecided.  Parameters: major, minor.  Example:
  *
  *     sgt_torus ring = {.major = 1, .minor = 0.4};
  *     sgt_surface s = {&sgt_torus_ops, &ring};

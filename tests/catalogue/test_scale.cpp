@@ -11,6 +11,10 @@
 // much to ask.  There, and far out on a ray that has no end, where squares overflow at one scale and not at
 // another, the answers may differ in what is undecided; but a hit at one scale is no miss at another, nor
 // another root.
+//
+// Bodies have no rim, whose square has to be a number, and are asked at |k| <= 1000, all but a trace, whose
+// elements have one.  Beyond 2^240 the search for a torus's first root says nothing (torus.c), so near the
+// seed any root is right there.
 #include "../ends.h"
 #include "agree.h"
 #include "scaling.h"
@@ -182,7 +186,8 @@ void one_target(generator &g, const std::string &type)
         all.push_back(list);
     }
 
-    const int far = g.chance(0.5) ? 300 : 40;
+    const bool body = type == "torus" || type == "quadric" || type == "ellipsoid";
+    const int far = g.chance(0.5) ? 40 : body && g.chance(0.5) ? 1000 : 300;
     for (const int k : {20, -20, 1 + g.below(far), -1 - g.below(far), 0}) {
         const bool lengths = k != 0;
         const int j = lengths         ? (g.chance(0.5) ? k : 0)
@@ -230,15 +235,10 @@ void one_target(generator &g, const std::string &type)
                                    : endless                    ? nothing_wrong
                                                                 : statuses;
             if (to.moderate && endless) of_endless++;
-            compare(q, endless ? "one ray, endless" : "one ray", got, want, how);
+            if (!(type == "torus" && std::abs(k) > 240 && options.pick == SGT_NEAR_SEED))
+                compare(q, endless ? "one ray, endless" : "one ray", got, want, how);
             if ((status[i] != got.status || !same(t_out[i], got.t)) && show(q, "a batch is not one ray"))
                 print_hit("one", got);
-
-            sgt_options of_trace = options;
-            of_trace.t_tol = times(options.t_tol, k); // t is in lengths
-            const bool quick_trace = through[i].passage.hit.evals <= QUICK && !options.proof;
-            compare(q, trace(resized, s.h, k, aperture, moved[i], of_trace), through[i], f_power,
-                    !to.moderate || !quick_trace || j != 0 || std::abs(k) > 40 ? nothing_wrong : to_the_bit);
 
             std::vector<sgt_hit> list(entries), wanted;
             list.resize(static_cast<std::size_t>(std::max(
@@ -247,6 +247,13 @@ void one_target(generator &g, const std::string &type)
             for (const sgt_hit &h : all[i]) wanted.push_back(expect(h)), evals += h.evals;
             compare(q, endless ? "all, endless" : "all", list, wanted,
                     how == to_the_bit && evals > QUICK ? (endless ? nothing_wrong : statuses) : how);
+
+            if (std::abs(k) > 300 || (type == "torus" && std::abs(k) > 240)) continue;
+            sgt_options of_trace = options;
+            of_trace.t_tol = times(options.t_tol, k); // t is in lengths
+            const bool quick_trace = through[i].passage.hit.evals <= QUICK && !options.proof;
+            compare(q, trace(resized, s.h, k, aperture, moved[i], of_trace), through[i], f_power,
+                    !to.moderate || !quick_trace || j != 0 || std::abs(k) > 40 ? nothing_wrong : to_the_bit);
         }
     }
 }

@@ -472,6 +472,14 @@ static void end_firsts(const torus_parting *c, double least, size_t n, double *r
     }
 }
 
+/* Do cubes of these lengths (a spindle: fourth powers), and squares with what is lost in them, stay in the
+ * range of doubles?  If they do not the search tells nothing, neither a root nor that there is none. */
+static bool in_range(const torus_ring *s)
+{
+    const double most = s->spindle ? 0x1p240 : 0x1p330;
+    return s->R + s->r < most && larger(s->R, s->r) > 1 / most && s->r > 0x1p-450 && s->R > 0x1p-450;
+}
+
 static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out, double steep[])
 {
     torus_ring s = ring_of(self);
@@ -479,6 +487,7 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
     row whole, unread, single;
     WENT(WAY_PARTED);
     const double least = s.spindle ? 0 : LEAST_SLOPE * s.inverse;
+    const bool outside = !in_range(&s);
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;
@@ -493,7 +502,7 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
         for (size_t i = 0; i < few && first; i++) out.single[at + i] = single[i] > 0;
         if (!first) end_spans(&c, few, out.lo + at, out.hi + at, out.seed + at, out.single + at);
         for (size_t i = 0; i < few; i++) /* if d is this long, the ends may underflow in lengths of d */
-            if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
+            if (outside || (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i]))
                 out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false, own[i] = 0;
     }
 }
