@@ -171,8 +171,8 @@ void judge(const question &q, bool near)
             !same(n.z, h.n.z))
             fail("f or n is not that at p", q, t);
     }
-    if (!t.known) {
-        unknown++;
+    if (!t.known || h.status == SGT_INVALID) {
+        unknown += !t.known;
         return;
     }
     bool itself = false, may = false, close = false;
@@ -305,6 +305,8 @@ void ends(generator &g, question &q)
     }
     if (!(q.ray.tmin <= q.ray.tmax) || q.ray.tmin == HUGE_VAL || (q.ray.tmin == 0 && q.ray.tmax == 0))
         q.ray.tmin = 0, q.ray.tmax = HUGE_VAL;
+    if (g.chance(0.03)) // not valid
+        q.ray.tmax = g.chance(0.5) ? double(NAN) : q.ray.tmin - g.log_uniform(1e-3, 10);
 }
 
 // `many` rays at one surface, in a batch.

@@ -120,9 +120,9 @@ typedef struct easy_shared { double unit, inverse_unit, bent, linear; } easy_sha
 /* Does the ray start on the surface?  first: at the first root of two; gone: at the last of its roots. */
 typedef struct easy_outset { mask first, gone; } easy_outset;
 
-/* p: the start, `from` of the scaled direction. */
+/* p: the start, `from` of the scaled direction; valid: the ends of the ray are. */
 SGT_INLINE easy_outset easy_outset_of(const easy_shared *s, const near_ray *r, bool round, double A,
-                                      double Aa, sgt_vec3 p, easy_place at, double from)
+                                      double Aa, sgt_vec3 p, easy_place at, double from, mask valid)
 {
     const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
                  gz = fabs(at.z), terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz),
@@ -134,7 +134,7 @@ SGT_INLINE easy_outset easy_outset_of(const easy_shared *s, const near_ray *r, b
                bends = MASK(fabs(A) > 0x1p-900) & (round ? MASK(true) : MASK(fabs(A) > 0x1p-36 * Aa)),
                falls = MASK((round ? slope : slope * copysign(1, A)) < 0);
     const mask on = MASK(f <= 0.5 * width + 0.125 * err) & MASK(err <= 16 * width) & MASK(width > TINY) &
-                    MASK(fabs(from) < 0x1p400) & MASK(steep > 0x1p-38 * (bent + s->linear)) &
+                    MASK(fabs(from) < 0x1p400) & valid & MASK(steep > 0x1p-38 * (bent + s->linear)) &
                     MASK(0x1p12 * K * (f + err) <= steep * steep) & MASK(r->scale < 0x1p1000);
     return (easy_outset){on & ~linear & bends & falls, on & (linear | (bends & ~falls))};
 }
@@ -320,7 +320,8 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
         const near_ray r = near_ray_of(ray->d);                                                             \
         const double from = ray->tmin * r.inverse;                                                          \
         const sgt_vec3 p = outset_of(ray->o, r.d, from);                                                    \
-        return easy_outset_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from);                             \
+        const mask valid = MASK(ray->tmin <= ray->tmax);                                                    \
+        return easy_outset_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from, valid);                     \
     }                                                                                                       \
     SGT_KERNEL                                                                                              \
     static mask NAME##_easy_starts(const SHARED *shared, size_t count, const sgt_rays *rays,                \
