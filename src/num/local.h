@@ -56,17 +56,8 @@ SGT_INLINE double scale_of(sgt_vec3 d)
 SGT_INLINE double end_below(double t, double scale) { return t * scale - DBL_MIN; }
 SGT_INLINE double end_above(double t, double scale) { return t * scale + DBL_MIN; }
 
-/* One coordinate of o + t0 d.  The product is hi + lo exactly; so is the sum of o and its hi.
- * - If they cancel to less than half of the greater, that sum has no lo (Sterbenz 1974), and the product's
- *   lo is added with one rounding.
- * - Else both lo are below 2 u of the result, and rounding them costs 4 u^2.
- *
- * So it is right to u (1 + 4 u) of itself. */
-SGT_INLINE double moved_along(double o, double t0, double d)
-{
-    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
-    return s.hi + (s.lo + p.lo);
-}
+/* One coordinate of o + t0 d, right to u of itself however far o is. */
+SGT_INLINE double moved_along(double o, double t0, double d) { return sgt_fma(t0, d, o); }
 
 /* 1 / scale_of(d), exactly: the power of two in its largest component. */
 SGT_INLINE double inverse_of_scale(sgt_vec3 d)

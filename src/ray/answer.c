@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 /* answer.c - the answers about a surface that is met by its operations, with a proof or without.
  *
- * First cells_batch.c is asked, and by_slope.c under a proof, where they are offered.  What they leave:
+ * First a closed form is asked, where one is offered and no proof is wanted.  Then cells_batch.c is asked,
+ * and by_slope.c under a proof, where they are offered.  What they leave:
  *
  *     proof          `enclose`  answer
  *     none           any        what general.c finds
@@ -13,6 +14,7 @@
 #include "answer.h"
 
 #include "../solve/root.h"
+#include "../solve/ways.h"
 #include "cells_batch.h"
 #include "proof.h"
 #include "unique.h"
@@ -189,6 +191,11 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
     sgt_options own;
     opt = read_of(s, opt, &own);
     if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
+    sgt_hit hit;
+    if (easy_offered(s, opt) && s.ops->own_->easy_one(s.self, ray, opt, &hit)) {
+        WENT(WAY_CLOSED);
+        return hit;
+    }
     if (sgt_cells_offered(s, opt)) return tried_first(s, ray, opt, sgt_cells_first, NULL);
     if (sgt_quick_proof_offered(s, opt)) return tried_first(s, ray, opt, sgt_quick_proof_one, NULL);
     return by_operations(s, ray, opt);

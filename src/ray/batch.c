@@ -24,6 +24,8 @@
 
 #include <string.h>
 
+enum { FEW_LEFT = 3 };
+
 /* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
  * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
  * masked out. */
@@ -72,25 +74,35 @@ static size_t not_unique(sgt_surface s, const sgt_tile *tile)
     return more;
 }
 
-/* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
- * then hard. */
-static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
+/* Runs of at least `least` rays with that status go through the quick form in lanes.  Returns how many rays
+ * of the tile are then hard. */
+static size_t runs_of(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard, sgt_status of,
+                      size_t least)
 {
     for (size_t i = 0, n; i < tile->n; i += n) {
         n = 1;
-        if (tile->hits.status[i] != SGT_SINGLE) continue;
-        while (i + n < tile->n && tile->hits.status[i + n] == SGT_SINGLE) n++;
+        if (tile->hits.status[i] != of) continue;
+        while (i + n < tile->n && tile->hits.status[i + n] == of) n++;
+        if (n < least) continue;
         sgt_tile run = tile_part(tile, i, n);
         hard -= n - sgt_lanes_general(s, &run, opt);
     }
     return hard;
 }
 
+/* By a closed form, and what it leaves in lanes where that is not a ray or two: of these each costs less by
+ * itself. */
+static size_t by_closed_form(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    const size_t hard = s.ops->own_->easy(s.self, tile, opt->pick == SGT_NEAR_SEED);
+    return hard > FEW_LEFT ? runs_of(s, tile, opt, hard, SGT_HARD, FEW_LEFT) : hard;
+}
+
 /* The first root, by cells. */
 static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = sgt_cells_tile(s, tile, opt);
-    return hard ? single_runs(s, tile, opt, hard) : 0;
+    return hard ? runs_of(s, tile, opt, hard, SGT_SINGLE, 1) : 0;
 }
 
 /* Estimates that are proven without enclosures.  Returns how many rays are left SGT_HARD.  (Not in the frame
@@ -176,6 +188,7 @@ static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *o
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
+    else if (easy_offered(s, opt)) hard = by_closed_form(s, tile, opt);
     else if (s.ops && s.ops->value && !answers_itself(s.ops))
         hard = (sgt_cells_offered(s, opt) ? by_cells_in_lanes : sgt_lanes_general)(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);

@@ -22,6 +22,12 @@ SGT_INLINE bool parameters_valid(sgt_surface s)
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
 }
 
+/* Is a closed form asked first?  Then for single rays and batches both. */
+SGT_INLINE bool easy_offered(sgt_surface s, const sgt_options *opt)
+{
+    return s.ops && is_catalogue(s.ops) && s.ops->own_->easy && opt->proof == SGT_ESTIMATE;
+}
+
 /* Is the root so near an end that the search may not accept it?  The search has another t and t_err, and the
  * first root and the first of all are to be the same.  At the start the search drops a root that is nearer
  * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in proof.c). */

@@ -5,7 +5,7 @@
 #define SGT_SOLVE_WAYS_H
 
 typedef enum search_way {
-    WAY_CLOSED,  /* a conic: closed forms */
+    WAY_CLOSED,  /* a conic, quadric, ellipsoid: closed forms */
     WAY_ROUNDS,  /* an asphere: rounds of Newton steps */
     WAY_QUICK,   /* solve/root.h: the quick form */
     WAY_ROOT,    /* solve/root.c: Newton in a bracket */

@@ -304,6 +304,14 @@ struct sgt_builtin_ops {
      * either side of it. */
     sgt_span (*first)(const void *self, const sgt_ray *ray, double *steep);
     void (*firsts)(const void *self, size_t n, sgt_rays rays, sgt_spans out, double steep[]);
+    /* Without `meet`: a closed form of the root that is asked for, without a proof; near: of that near the
+     * seed.  A ray that it cannot answer is left to what else there is: `easy` gives it the status SGT_HARD,
+     * and its other outputs are then ignored; easy_one returns false.  The rays of `easy` have not been
+     * checked, those of easy_one have, and so have the parameters.  `easy` returns the number of hard rays;
+     * both have the same bits.  A hit spends one evaluation, a miss none.  Give both or none.  Called by
+     * ray/batch.c and ray/answer.c. */
+    size_t (*easy)(const void *self, const sgt_tile *tile, bool near);
+    bool (*easy_one)(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit);
     /* The seeds of `spans`, alone, and wherever they are: not only within their spans. */
     void (*seeds)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, double seed[]);
     /* As `enclose` of sgt_surface_ops, but t is counted from t0 on the ray: the parameter is exactly t0 +

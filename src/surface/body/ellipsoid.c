@@ -16,7 +16,7 @@
  *
  * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre.  The discriminant
  * there is that of half the chord (quadratic.h). */
-#include "quadratic.h"
+#include "easy.h"
 
 /* What all points share. */
 typedef struct shell { double a, e, e_lo, a2, a2_lo, half, inverse, stretch; } shell;
@@ -76,7 +76,7 @@ SGT_INLINE double shell_rounding(const shell *s, double x, double y, double z)
            all = sgt_fma(x, x, second);
     return 1.01 *
            (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) +
-            0x1p-1070) *
+            0x1p-1020) *
            s->half;
 }
 
@@ -278,10 +278,31 @@ static sgt_objection ellipsoid_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+/* ---------------------------------------------------------------- in closed form (easy.h) */
+
+typedef struct ball { sgt_ellipsoid self; shell shape; easy_shared easy; } ball;
+
+/* The second derivatives are 1 / a, 1 / a and e / a. */
+static ball ball_of(const sgt_ellipsoid *s)
+{
+    const shell all = shell_of(s);
+    return (ball){*s, all, {0.5 / s->a, 2 * s->a, (2 + all.e) * all.inverse * (1 + 0x1p-40), 0x1p-860}};
+}
+
+SGT_INLINE easy_place ball_place(const ball *b, sgt_vec3 p)
+{
+    double x, y, z, f = shell_at(&b->shape, p.x, p.y, p.z, &x, &y, &z);
+    return (easy_place){f, x, y, z, shell_rounding(&b->shape, p.x, p.y, p.z)};
+}
+
+EASY_LANES(ellipsoid, sgt_ellipsoid, ellipsoid_object, true, ball, ball_of, ellipsoid_approach,
+           ball_place)
+
 static const struct sgt_builtin_ops ellipsoid_builtin = {
     .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = sgt_ellipsoid_enclose_from,
     .encloses = ellipsoid_encloses, .values_rounded = ellipsoid_values_rounded,
-    .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts};
+    .first = ellipsoid_steep_first, .firsts = ellipsoid_steep_firsts, .easy = ellipsoid_easy,
+    .easy_one = ellipsoid_easy_one};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,

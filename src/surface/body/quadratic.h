@@ -16,8 +16,9 @@
  * and |tau| <= Ca / S, 16 E^2 Aa spread <= D, so over that distance spread at most doubles.
  *
  * The same holds for q / A if |A| > 2^-20 Aa, since |q| <= 2^23 S.  For smaller A (a ray nearly along the
- * axis of a paraboloid) with |q| <= 3 S, C / q is still right, and q / A is right to half of itself as
- * long as |A| > 8 E Aa.  If Aa = 0, there is only one root.
+ * axis of a paraboloid) with |q| <= 3 S, C / q is still right, and q / A is right to half of itself as long
+ * as |A| > 8 E Aa.  If Aa = 0, there is only one root: what has underflown in A is below 2^-1060, and moves
+ * it by nothing if Ca is below 2^900 Ba^2.
  *
  * THE VERTEX -B / A PARTS THE TWO.  `first` gives one of two stretches:
  * - from just before the first root to the vertex: only the first root is in it.  Given if that root is
@@ -90,10 +91,10 @@ SGT_INLINE crossings crossings_of(const parabola *p, double t0)
     double s = sqrt(D > 0 ? D : 0), q = -(B + copysign(s, B)), near = p->C / q, away = q / A,
            inverse = 1 / aA, off = 0x1p-50 * fabs(t0);
     mask fine = MASK(size > TINY) & MASK(size < HUGE_VAL), clear = MASK(D > 16 * De) & fine,
-         linear = MASK(p->Aa == 0);
+         linear = MASK(p->Aa == 0) & MASK(0x1p-900 * p->Ca <= p->Ba * p->Ba);
     mask steep = MASK(aA > 0x1p-20 * p->Aa),
          flat = MASK(aA > 8 * COEFFICIENT * p->Aa) & MASK(fabs(q) <= 3 * s);
-    mask constant = linear & MASK(p->Ba == 0);
+    mask constant = MASK(p->Aa == 0) & MASK(p->Ba == 0);
     c.none = (fine & MASK(D < -De)) | (constant & MASK(fabs(p->C) > COEFFICIENT * p->Ca));
 
     double near_spread = quadratic_spread(p, near), away_spread = quadratic_spread(p, away),

@@ -16,7 +16,7 @@
  * direction.  Their terms are rounded at most 9 times, the coordinates included.  That is less than the 16
  * u of quadratic.h. */
 #include "../../num/bits.h"
-#include "quadratic.h"
+#include "easy.h"
 
 #include <limits.h>
 
@@ -83,7 +83,7 @@ SGT_INLINE double sizes_rounding(const sgt_quadric *sizes, double x, double y, d
 {
     rows unused;
     x = fabs(x), y = fabs(y), z = fabs(z);
-    return 9 * SGT_U * (1 + 0x1p-40) * quadric_at(sizes, x, y, z, &unused) + 0x1p-1065 * (1 + (x + y + z));
+    return 9 * SGT_U * (1 + 0x1p-40) * quadric_at(sizes, x, y, z, &unused) + 0x1p-1020 * (1 + (x + y + z));
 }
 
 static double quadric_rounding(const void *self, sgt_vec3 p)
@@ -393,10 +393,46 @@ static sgt_objection quadric_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+/* ---------------------------------------------------------------- in closed form (easy.h) */
+
+typedef struct second_degree { sgt_quadric self, size; easy_shared easy; } second_degree;
+
+static second_degree second_degree_of(const sgt_quadric *s)
+{
+    const sgt_quadric a = quadric_sizes_of(s);
+    const double bent = (a.squares[0] + a.squares[1] + a.squares[2]) +
+                        (a.products[0] + a.products[1] + a.products[2]),
+                 linear = a.linear[0] + a.linear[1] + a.linear[2];
+    return (second_degree){*s, a, {1, 1, 2 * bent * (1 + 0x1p-40), 2 * linear + 0x1p-860}};
+}
+
+/* The rounding of F, as sizes_rounding has it, by Horner's rule: the same sum of magnitudes, with another
+ * rounding, which the factor covers. */
+SGT_INLINE double degree_rounding(const sgt_quadric *size, double x, double y, double z)
+{
+    const double *a = size->squares, *b = size->products, *c = size->linear;
+    x = fabs(x), y = fabs(y), z = fabs(z);
+    const double first = x * (((a[0] * x + b[0] * y) + b[2] * z) + c[0]),
+                 sum = (first + y * ((a[1] * y + b[1] * z) + c[1])) +
+                       (z * (a[2] * z + c[2]) + size->constant);
+    return 9 * SGT_U * (1 + 0x1p-40) * sum + 0x1p-1020 * (1 + (x + y + z));
+}
+
+SGT_INLINE easy_place degree_place(const second_degree *s, sgt_vec3 p)
+{
+    rows g;
+    const double f = quadric_at(&s->self, p.x, p.y, p.z, &g);
+    return (easy_place){f, g.x, g.y, g.z, degree_rounding(&s->size, p.x, p.y, p.z)};
+}
+
+EASY_LANES(quadric, sgt_quadric, quadric_object, false, second_degree, second_degree_of,
+           quadric_approach, degree_place)
+
 static const struct sgt_builtin_ops quadric_builtin = {
     .object = quadric_object, .roundings = quadric_roundings, .enclose = sgt_quadric_enclose_from,
     .encloses = quadric_encloses, .values_rounded = quadric_values_rounded,
-    .first = quadric_steep_first, .firsts = quadric_steep_firsts};
+    .first = quadric_steep_first, .firsts = quadric_steep_firsts, .easy = quadric_easy,
+    .easy_one = quadric_easy_one};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span,
