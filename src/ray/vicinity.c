@@ -34,13 +34,19 @@ static const known_part *vicinity_within(sgt_surface s, double rung, double aske
     return &kept->part[place];
 }
 
+/* Rays from afar need some five powers of two about where they begin, and as many about where they meet the
+ * surface.  11 places keep both for any distance of the two, mostly; the last three are those of finer rungs,
+ * too. */
+enum { COARSE_PLACES = 11 };
+
 /* Sets radius2, steep, low, high and axis within the rungs of n rays.  Of a ray that is not asked they are
  * not read. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                         vicinities *kept, const region_rows *w)
 {
     for (size_t i = 0; i < n; i++) {
-        int place = place_of(rung[i], digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
+        int place = digits == COARSE ? place_of(rung[i], COARSE, COARSE_PLACES)
+                                     : place_of(rung[i], digits, VICINITIES / 2) + VICINITIES / 2;
         const known_part *e = &kept->part[place];
         if (kept->radius[place] != rung[i]) e = vicinity_within(s, rung[i], asked[i], place, kept);
         w->radius2[i] = e->radius2, w->steep[i] = e->steep, w->low[i] = e->low, w->high[i] = e->high;
