@@ -568,24 +568,55 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-/* Asks the surface what is ahead of the ray from `from` on. */
-static sgt_ahead_kind ahead_of(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e)
+/* Puts a ray, and that it is asked from `from` on, into row j. */
+static void ahead_put(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e, size_t j)
 {
     const sgt_vec3 o = ray->o, d = ray->d;
-    *e = (sgt_ahead){.start = ray->tmin, .from = from, .to = ray->tmax, .f = HUGE_VAL, .clear = from};
-    e->length = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
+    e->o[0][j] = o.x, e->o[1][j] = o.y, e->o[2][j] = o.z;
+    e->d[0][j] = d.x, e->d[1][j] = d.y, e->d[2][j] = d.z;
+    e->start[j] = ray->tmin, e->from[j] = from, e->to[j] = ray->tmax, e->f[j] = HUGE_VAL;
+    e->length[j] = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
     if (from == 0 && starts_low(o, ray->tmin)) {
         sgt_vec3 unused;
         double f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
-        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f = f;
+        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f[j] = f;
     }
-    return s.ops->own_->ahead(s.self, ray, e);
 }
 
 bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
 {
     sgt_ahead e;
-    return fabs(ray->tmin) < HUGE_VAL && ahead_of(s, ray, ray->tmin, &e) == AHEAD_NONE;
+    if (!(fabs(ray->tmin) < HUGE_VAL)) return false;
+    ahead_put(s, ray, ray->tmin, &e, 0);
+    s.ops->own_->ahead(s.self, 1, &e);
+    return e.kind[0] == AHEAD_NONE;
+}
+
+/* Asks of the rows `of` what is ahead.  A row that is free holds the first ray, too. */
+static void look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned char *of, const vicinity *v,
+                      double *from, double *seen)
+{
+    sgt_ahead e;
+    for (size_t j = 0; j < (n > 1 ? AHEAD_ROWS : 1); j++) {
+        const size_t i = of[j < n ? j : 0];
+        sgt_ray ray = ray_of(r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        ahead_put(s, &ray, from[i], &e, j);
+    }
+    s.ops->own_->ahead(s.self, n, &e);
+    for (size_t j = 0; j < n; j++) {
+        const size_t i = of[j];
+        switch (e.kind[j]) {
+        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
+            if (e.to[j] < HUGE_VAL) from[i] = larger(from[i], e.clear[j]);
+            break;
+        case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
+        case AHEAD_ONE:
+            v->asked[i] = 0, v->lo[i] = e.lo[j], v->hi[i] = e.hi[j], v->least[i] = NO_BOUND;
+            v->seed[i] = e.seed[j], seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
+            break;
+        }
+    }
 }
 
 /* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
@@ -595,23 +626,14 @@ SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
 {
+    unsigned char of[AHEAD_ROWS];
+    size_t some = 0;
     for (size_t i = 0; i < n; i++) {
         const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
-        if (!(v->asked[i] > 0 && (all || leaves))) continue;
-        sgt_ray ray = ray_of(r, i);
-        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        sgt_ahead e;
-        switch (ahead_of(s, &ray, from[i], &e)) {
-        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
-            if (e.to < HUGE_VAL) from[i] = larger(from[i], e.clear);
-            break;
-        case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
-        case AHEAD_ONE:
-            v->asked[i] = 0, v->lo[i] = e.lo, v->hi[i] = e.hi, v->least[i] = NO_BOUND, v->seed[i] = e.seed;
-            seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
-            break;
-        }
+        if (v->asked[i] > 0 && (all || leaves)) of[some++] = (unsigned char)i;
+        if (some == AHEAD_ROWS) look_some(s, some, r, of, v, from, seen), some = 0;
     }
+    if (some > 0) look_some(s, some, r, of, v, from, seen);
 }
 
 /* Marks the rows at whose start F is 0 to within 2^-32 of its terms. */
