@@ -569,17 +569,33 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
 }
 
 /* Puts a ray, and that it is asked from `from` on, into row j. */
-static void ahead_put(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e, size_t j)
+static void ahead_put(const sgt_ray *ray, double from, sgt_ahead *e, size_t j)
 {
     const sgt_vec3 o = ray->o, d = ray->d;
     e->o[0][j] = o.x, e->o[1][j] = o.y, e->o[2][j] = o.z;
     e->d[0][j] = d.x, e->d[1][j] = d.y, e->d[2][j] = d.z;
     e->start[j] = ray->tmin, e->from[j] = from, e->to[j] = ray->tmax, e->f[j] = HUGE_VAL;
     e->length[j] = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
-    if (from == 0 && starts_low(o, ray->tmin)) {
-        sgt_vec3 unused;
-        double f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
-        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f[j] = f;
+}
+
+/* Sets f of the rows that begin on the surface. */
+static void ahead_starts_at(sgt_surface s, size_t n, sgt_ahead *e)
+{
+    ahead_row f, unread[3];
+    bool some = false, low[AHEAD_ROWS];
+    for (size_t j = 0; j < n; j++) {
+        const sgt_vec3 o = {e->o[0][j], e->o[1][j], e->o[2][j]};
+        low[j] = e->from[j] == 0 && starts_low(o, e->start[j]), some = some || low[j];
+    }
+    if (!some) return;
+    s.ops->values(s.self, n, (sgt_points){{e->o[0], e->o[1], e->o[2]}},
+                  (sgt_values){f, {unread[0], unread[1], unread[2]}});
+    for (size_t j = 0; j < n; j++) {
+        const sgt_vec3 o = {e->o[0][j], e->o[1][j], e->o[2][j]};
+        const double most = START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z));
+        if (!(low[j] && fabs(f[j]) <= most)) continue;
+        f[j] = fabs(f[j]) + s.ops->rounding(s.self, o);
+        if (f[j] <= most) e->f[j] = f[j];
     }
 }
 
@@ -587,7 +603,7 @@ bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
 {
     sgt_ahead e;
     if (!(fabs(ray->tmin) < HUGE_VAL)) return false;
-    ahead_put(s, ray, ray->tmin, &e, 0);
+    ahead_put(ray, ray->tmin, &e, 0), ahead_starts_at(s, 1, &e);
     s.ops->own_->ahead(s.self, 1, &e);
     return e.kind[0] == AHEAD_NONE;
 }
@@ -601,8 +617,9 @@ static void look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned
         const size_t i = of[j < n ? j : 0];
         sgt_ray ray = ray_of(r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        ahead_put(s, &ray, from[i], &e, j);
+        ahead_put(&ray, from[i], &e, j);
     }
+    ahead_starts_at(s, n, &e);
     s.ops->own_->ahead(s.self, n, &e);
     for (size_t j = 0; j < n; j++) {
         const size_t i = of[j];
