@@ -568,13 +568,14 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-/* Puts a ray, and that it is asked from `from` on, into row j. */
-static void ahead_put(const sgt_ray *ray, double from, sgt_ahead *e, size_t j)
+/* Puts a ray, and that it is asked from `from` on, into row j.  step: as in sgt_ahead. */
+static void ahead_put(const sgt_ray *ray, double from, double step, sgt_ahead *e, size_t j)
 {
     const sgt_vec3 o = ray->o, d = ray->d;
     e->o[0][j] = o.x, e->o[1][j] = o.y, e->o[2][j] = o.z;
     e->d[0][j] = d.x, e->d[1][j] = d.y, e->d[2][j] = d.z;
     e->start[j] = ray->tmin, e->from[j] = from, e->to[j] = ray->tmax, e->f[j] = HUGE_VAL;
+    e->step[j] = step;
     e->length[j] = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
 }
 
@@ -585,7 +586,7 @@ static void ahead_starts_at(sgt_surface s, size_t n, sgt_ahead *e)
     bool some = false, low[AHEAD_ROWS];
     for (size_t j = 0; j < n; j++) {
         const sgt_vec3 o = {e->o[0][j], e->o[1][j], e->o[2][j]};
-        low[j] = e->from[j] == 0 && starts_low(o, e->start[j]), some = some || low[j];
+        low[j] = e->from[j] == 0 && e->step[j] == 0 && starts_low(o, e->start[j]), some = some || low[j];
     }
     if (!some) return;
     s.ops->values(s.self, n, (sgt_points){{e->o[0], e->o[1], e->o[2]}},
@@ -599,31 +600,40 @@ static void ahead_starts_at(sgt_surface s, size_t n, sgt_ahead *e)
     }
 }
 
+enum { AHEAD_PASSES = 12 };
+
 bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
 {
     sgt_ahead e;
     if (!(fabs(ray->tmin) < HUGE_VAL)) return false;
-    ahead_put(ray, ray->tmin, &e, 0), ahead_starts_at(s, 1, &e);
+    ahead_put(ray, ray->tmin, 0, &e, 0), ahead_starts_at(s, 1, &e);
     s.ops->own_->ahead(s.self, 1, &e);
+    for (int k = 1; k < AHEAD_PASSES && e.kind[0] == AHEAD_MORE; k++) {
+        ahead_put(ray, e.clear[0], e.step[0], &e, 0);
+        s.ops->own_->ahead(s.self, 1, &e);
+    }
     return e.kind[0] == AHEAD_NONE;
 }
 
-/* Asks of the rows `of` what is ahead.  A row that is free holds the first ray, too. */
-static void look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned char *of, const vicinity *v,
-                      double *from, double *seen)
+/* Asks of the rows `of` what is ahead.  A row that is free holds the first ray, too.  Those that are to be asked
+ * again are moved to `again`, with `at` and `step` set; returns how many. */
+static size_t look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned char *of, const vicinity *v,
+                        double *from, double *seen, double *at, double *step, unsigned char *again)
 {
     sgt_ahead e;
+    size_t more = 0;
     for (size_t j = 0; j < (n > 1 ? AHEAD_ROWS : 1); j++) {
         const size_t i = of[j < n ? j : 0];
         sgt_ray ray = ray_of(r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        ahead_put(&ray, from[i], &e, j);
+        ahead_put(&ray, at[i], step[i], &e, j);
     }
     ahead_starts_at(s, n, &e);
     s.ops->own_->ahead(s.self, n, &e);
     for (size_t j = 0; j < n; j++) {
         const size_t i = of[j];
         switch (e.kind[j]) {
+        case AHEAD_MORE: again[more++] = of[j], at[i] = e.clear[j], step[i] = e.step[j]; break;
         case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
             if (e.to[j] < HUGE_VAL) from[i] = larger(from[i], e.clear[j]);
             break;
@@ -634,23 +644,32 @@ static void look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned
             break;
         }
     }
+    return more;
 }
 
 /* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
  * of all. What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from
- * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
+ * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it.  Rays that need
+ * more steps than most are put side by side again. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
 {
-    unsigned char of[AHEAD_ROWS];
-    size_t some = 0;
+    unsigned char of[VICINITY_MOST];
+    double at[VICINITY_MOST], step[VICINITY_MOST];
+    size_t count = 0;
     for (size_t i = 0; i < n; i++) {
         const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
-        if (v->asked[i] > 0 && (all || leaves)) of[some++] = (unsigned char)i;
-        if (some == AHEAD_ROWS) look_some(s, some, r, of, v, from, seen), some = 0;
+        if (v->asked[i] > 0 && (all || leaves)) of[count++] = (unsigned char)i, at[i] = from[i], step[i] = 0;
     }
-    if (some > 0) look_some(s, some, r, of, v, from, seen);
+    for (int k = 0; k < AHEAD_PASSES && count > 0; k++) {
+        size_t left = 0;
+        for (size_t j = 0, few; j < count; j += few) {
+            few = count - j < AHEAD_ROWS ? count - j : AHEAD_ROWS;
+            left += look_some(s, few, r, of + j, v, from, seen, at, step, of + left);
+        }
+        count = left;
+    }
 }
 
 /* Marks the rows at whose start F is 0 to within 2^-32 of its terms. */

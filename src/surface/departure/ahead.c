@@ -29,14 +29,15 @@
  * ROWS.  Up to AHEAD_ROWS rays are looked along at once.  Each question (a look, the bounds over a stretch, the
  * tail, the start) is put for all of them, by loops that become vector code.  What follows from the answer is
  * each ray's own affair, and no row is read for another: a ray gets the same bits in any company.  Rows that
- * are done are asked again at the same point.
+ * are done are asked again at the same point.  After a few steps the rays that are left are given back, to be put
+ * beside others (ray/vicinity.c).
  *
  * ROUNDING.  Each number is off by less than 2^-43 of the sum of the magnitudes of all that it is made of,
  * as there are at most 2^9 roundings of 2^-53, and 2^-900 for underflow.  Bounds are made wider by that, and
  * the comparisons by 2^-20.  With a NaN none of them holds. */
 #include "ahead.h"
 
-enum { AHEAD_STEPS = 48, START_STEPS = 6, PAST_STEPS = 3 };
+enum { AHEAD_STEPS = 4, START_STEPS = 6, PAST_STEPS = 3 }; /* of one call: see ROWS */
 
 /* Of each ray: the point t, and the next one, h farther on; up to where the bounds hold that are in `over`,
  * and how long that stretch was. */
@@ -299,7 +300,7 @@ void sgt_look_ahead(const ahead_ops *ops, const void *w, size_t n, double part, 
     leave_start(ops, w, n, &m, e);
     m.next = m.at;
     for (size_t i = 0; i < n; i++) {
-        m.h[i] = part * (e->to[i] - m.t[i]);
+        m.h[i] = e->step[i] > 0 ? e->step[i] : part * (e->to[i] - m.t[i]);
         if (!(m.h[i] < HUGE_VAL)) m.h[i] = larger(4 * fabs(m.t[i] - e->start[i]), e->length[i]);
     }
     for (int k = 0; k < AHEAD_STEPS && any(n, m.asked); k++) {
@@ -316,4 +317,6 @@ void sgt_look_ahead(const ahead_ops *ops, const void *w, size_t n, double part, 
         }
         if (any(n, found)) take_parted(ops, w, n, found, root, &m, e);
     }
+    for (size_t i = 0; i < n; i++)
+        if (m.asked[i]) e->kind[i] = AHEAD_MORE, e->step[i] = m.h[i];
 }
