@@ -600,7 +600,7 @@ static void ahead_starts_at(sgt_surface s, size_t n, sgt_ahead *e)
     }
 }
 
-enum { AHEAD_PASSES = 12 };
+enum { AHEAD_PASSES = 16 };
 
 bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
 {
