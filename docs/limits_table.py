@@ -9,6 +9,8 @@ convention).
 The programs of both builds take turns, ROUNDS times each, and a figure is the median.
 """
 import csv
+import os
+import pathlib
 import statistics
 import subprocess
 import sys
@@ -112,14 +114,26 @@ def files(build, threads):
         for _ in range(7):
             one.append(seconds(ask(1, made)))
             several.append(seconds(ask(threads, made)))
-        copies = [[seconds(*[['dd', f'if={made}', f'of={folder}/copy{i}', 'bs=1M', 'status=none'] for i in range(n)])
-                   for _ in range(7)] for n in (1, threads)]
+        size = os.path.getsize(made) >> 20
+
+        def copy(n, to, part):
+            for i in range(n):
+                pathlib.Path(folder, to.format(i)).unlink(missing_ok=True)
+            return seconds(*[['dd', f'if={made}', f'of={folder}/{to.format(i)}', 'bs=1M', 'conv=notrunc', 'status=none',
+                              *part(i, size // n)] for i in range(n)])
+
+        own = [[copy(n, 'copy{}', lambda i, each: []) for _ in range(7)] for n in (1, threads)]
+        one_file = [[copy(n, 'copy', lambda i, each: [f'skip={i * each}', f'seek={i * each}', f'count={each}'])
+                     for _ in range(7)] for n in (1, threads)]
     gain = statistics.median(a / b for a, b in zip(one, several))
-    copied = statistics.median(threads * a / b for a, b in zip(*copies))
+    copied = statistics.median(threads * a / b for a, b in zip(*own))
+    halves = statistics.median(a / b for a, b in zip(*one_file))
     return [[f'{FILES_ROWS:,} rays of a conic, from file to file', tables.short(1e9 * statistics.median(one) / FILES_ROWS),
              f'{gain:.2f}'],
-            [f'`dd` of the answers, {threads} at a time', tables.short(1e9 * statistics.median(copies[0]) / FILES_ROWS),
-             f'{copied:.2f}']]
+            [f'`dd` of the answers, {threads} at a time, each to its file',
+             tables.short(1e9 * statistics.median(own[0]) / FILES_ROWS), f'{copied:.2f}'],
+            [f'`dd` of the answers, {threads} at a time, each its part of one file',
+             tables.short(1e9 * statistics.median(one_file[0]) / FILES_ROWS), f'{halves:.2f}']]
 
 
 def threads(build, count):

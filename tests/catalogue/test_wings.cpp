@@ -64,29 +64,42 @@ quad along(const formula<quad> &f, const sgt_ray &r, quad t)
 
 int sign(quad x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
-// One sign from the start to `to`, as far as 600 points tell.
+// The sign of F at the last of these t if it has one sign at all of them, 0 if it has none there; CHANGES if
+// it changes from one to the next.  Across a gap of the domain it may: so they are taken in order.
+constexpr int CHANGES = 2;
+int one_sign(const formula<quad> &f, const sgt_ray &r, std::vector<double> at)
+{
+    int before = 0;
+    std::sort(at.begin(), at.end());
+    for (double t : at) {
+        const quad g = along(f, r, t);
+        const int is = g == g ? sign(g) : 0;
+        if (g != g) before = 0;
+        if (is && before && is != before) return CHANGES;
+        if (is) before = is;
+    }
+    return before;
+}
+
+// Has F more than one sign from the start to `to`, as far as 600 points tell?
 bool earlier(const formula<quad> &f, const sgt_ray &r, quad to)
 {
     const double a = r.d.x * r.d.x + r.d.y * r.d.y, nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / a,
                  end = static_cast<double>(to);
-    int before = 0;
+    std::vector<double> at;
     for (int i = 0; i < 600; i++) {
         const double part = (i + 0.5) / 600;
         // half of them crowd together at the axis, half at the root
         const double centre = i % 2 ? end : std::min(nearest, end),
                      t = centre - (centre - r.tmin) * std::pow(1e-6, part);
-        if (!(t >= r.tmin && t < end)) continue;
-        const quad g = along(f, r, t);
-        const int is = sign(g);
-        if (g != g) before = 0; // across a gap of the domain F may change its sign
-        if (!is || g != g) continue;
-        if (before && is != before) return true;
-        before = is;
+        if (t >= r.tmin && t < end) at.push_back(t);
     }
-    return before && sign(along(f, r, to)) == -before;
+    const int before = one_sign(f, r, at);
+    return before == CHANGES || (before && sign(along(f, r, to)) == -before);
 }
 
-// One sign from the start to where the ray ends, or F is defined no more, as far as 600 points tell.
+// Has F more than one sign from the start to where the ray ends, or F is no more, as far as 600 points
+// tell?
 bool changes(const formula<quad> &f, const sgt_ray &r, double h)
 {
     const double length = std::hypot(r.d.x, r.d.y, r.d.z), from = r.tmin;
@@ -101,20 +114,16 @@ bool changes(const formula<quad> &f, const sgt_ray &r, double h)
     }
     const double nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / (r.d.x * r.d.x + r.d.y * r.d.y),
                  centre = std::min(std::max(nearest, from), end);
-    int before = 0;
+    std::vector<double> at;
     for (int i = 0; i < 600; i++) {
         const double part = std::pow(1e-9, i / 600.0),
-                     near = i % 6 == 5 ? centre + part * (end - centre) : centre - part * (centre - from),
-                     t = i % 3 == 2   ? near
-                         : i % 3 == 1 ? end - part * (end - from)
-                                      : from + (end - from) / (1e9 * part);
-        const quad g = along(f, r, i == 599 ? end : t);
-        const int is = g == g ? sign(g) : 0;
-        if (g != g) before = 0;
-        if (is && before && is != before) return true;
-        if (is) before = is;
+                     near = i % 6 == 5 ? centre + part * (end - centre) : centre - part * (centre - from);
+        at.push_back(i == 599     ? end
+                     : i % 3 == 2 ? near
+                     : i % 3 == 1 ? end - part * (end - from)
+                                  : from + (end - from) / (1e9 * part));
     }
-    return false;
+    return one_sign(f, r, at) == CHANGES;
 }
 
 // Rays that start next to the edge of the base, on the surface or beside it.
@@ -166,21 +175,12 @@ bool changes_within(const formula<quad> &f, const sgt_ray &r, double rim, double
                  half = std::sqrt(std::max(rim * rim - x * x - y * y, 0.0) / a);
     const double from = std::max(start, rim > 0 ? nearest - half : start),
                  end = std::min(to, rim > 0 ? nearest + half : to);
-    int before = 0;
     std::vector<double> at;
     for (int i = 0; i < 500 && from < end; i++) {
         const double part = (i + 0.5) / 500;
         at.push_back(i % 2 ? from + part * (end - from) : end - (end - from) * std::pow(1e-6, part));
     }
-    std::sort(at.begin(), at.end());
-    for (double t : at) {
-        const quad g = along(f, r, t);
-        const int is = g == g ? sign(g) : 0;
-        if (g != g) before = 0; // across a gap of the domain F may change its sign
-        if (is && before && is != before) return true;
-        if (is) before = is;
-    }
-    return false;
+    return one_sign(f, r, at) == CHANGES;
 }
 
 // Does the ray, which starts next to the surface, meet it before `to`, but certainly farther on than the
