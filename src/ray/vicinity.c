@@ -615,10 +615,15 @@ bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
     return e.kind[0] == AHEAD_NONE;
 }
 
-/* Asks of the rows `of` what is ahead.  A row that is free holds the first ray, too.  Those that are to be asked
- * again are moved to `again`, with `at` and `step` set; returns how many. */
-static size_t look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsigned char *of, const vicinity *v,
-                        double *from, double *seen, double *at, double *step, unsigned char *again)
+/* Rows of look_ahead: from where a ray is asked next, and with which step. */
+typedef struct ahead_state {
+    double *from, *seen, *at, *step;
+} ahead_state;
+
+/* Asks of n rows of `of` what is ahead.  A row that is free holds the first ray, too.  Those that are to be
+ * asked again are put into `again`, with `at` and `step` set; returns how many. */
+static size_t look_some(sgt_surface s, const sgt_rays *r, const unsigned char *of, size_t n,
+                        const vicinity *v, ahead_state a, unsigned char *again)
 {
     sgt_ahead e;
     size_t more = 0;
@@ -626,21 +631,21 @@ static size_t look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsign
         const size_t i = of[j < n ? j : 0];
         sgt_ray ray = ray_of(r, i);
         ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        ahead_put(&ray, at[i], step[i], &e, j);
+        ahead_put(&ray, a.at[i], a.step[i], &e, j);
     }
     ahead_starts_at(s, n, &e);
     s.ops->own_->ahead(s.self, n, &e);
     for (size_t j = 0; j < n; j++) {
         const size_t i = of[j];
         switch (e.kind[j]) {
-        case AHEAD_MORE: again[more++] = of[j], at[i] = e.clear[j], step[i] = e.step[j]; break;
+        case AHEAD_MORE: again[more++] = of[j], a.at[i] = e.clear[j], a.step[i] = e.step[j]; break;
         case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
-            if (e.to[j] < HUGE_VAL) from[i] = larger(from[i], e.clear[j]);
+            if (e.to[j] < HUGE_VAL) a.from[i] = larger(a.from[i], e.clear[j]);
             break;
         case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
         case AHEAD_ONE:
             v->asked[i] = 0, v->lo[i] = e.lo[j], v->hi[i] = e.hi[j], v->least[i] = NO_BOUND;
-            v->seed[i] = e.seed[j], seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
+            v->seed[i] = e.seed[j], a.seen[i] = a.seen[VICINITY_MOST] = SEEN_AHEAD;
             break;
         }
     }
@@ -649,8 +654,8 @@ static size_t look_some(sgt_surface s, size_t n, const sgt_rays *r, const unsign
 
 /* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
  * of all. What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from
- * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it.  Rays that need
- * more steps than most are put side by side again. */
+ * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it.  Rays that
+ * need more steps than most are put side by side again. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
@@ -666,7 +671,7 @@ static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, con
         size_t left = 0;
         for (size_t j = 0, few; j < count; j += few) {
             few = count - j < AHEAD_ROWS ? count - j : AHEAD_ROWS;
-            left += look_some(s, few, r, of + j, v, from, seen, at, step, of + left);
+            left += look_some(s, r, of + j, few, v, (ahead_state){from, seen, at, step}, of + left);
         }
         count = left;
     }

@@ -52,7 +52,7 @@
  * AHEAD.  A toroid, a biconic and a grid without a rim know what is ahead of a ray
  * (surface/departure/ahead.c): nothing, or a stretch with one root at most, which Newton's steps are left to
  * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
- * circle has decided.
+ * circle has decided: eight at once, and those that need more steps than most side by side again.
  *
  * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
  * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray

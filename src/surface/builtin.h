@@ -181,11 +181,11 @@ typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool
 typedef struct sgt_even_sag { double c, k, semi_diameter; int terms; const double *a; } sgt_even_sag;
 
 /* What `ahead` is asked of some rays, a row each, and answers: nothing is known beyond `clear`; no root is
- * ahead; the next root, if there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and before
- * lo, there is none.  start: the ray's own.  f: |F| at `from` at most, if that is the origin and may be on the
- * surface; else infinite.  A root there that the rule of the start drops is none.  length: of a first step (in
- * t).  `to` may be made less.  AHEAD_MORE: ask again, from `clear`, with the step that is told; step 0: the first
- * time. */
+ * ahead; the next root, if there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and
+ * before lo, there is none.  start: the ray's own.  f: |F| at `from` at most, if that is the origin and may
+ * be on the surface; else infinite.  A root there that the rule of the start drops is none.  length: of a
+ * first step (in t).  `to` may be made less.  AHEAD_MORE: ask again, from `clear`, with the step that is told.
+ * step is 0 the first time. */
 enum { AHEAD_ROWS = 8 };
 typedef double ahead_row[AHEAD_ROWS];
 typedef enum sgt_ahead_kind { AHEAD_OPEN, AHEAD_NONE, AHEAD_ONE, AHEAD_MORE } sgt_ahead_kind;

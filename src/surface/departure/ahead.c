@@ -26,11 +26,11 @@
  * each part of it.  A root of G at which F certainly has none is stepped over: all along some stretch that
  * holds it.
  *
- * ROWS.  Up to AHEAD_ROWS rays are looked along at once.  Each question (a look, the bounds over a stretch, the
- * tail, the start) is put for all of them, by loops that become vector code.  What follows from the answer is
- * each ray's own affair, and no row is read for another: a ray gets the same bits in any company.  Rows that
- * are done are asked again at the same point.  After a few steps the rays that are left are given back, to be put
- * beside others (ray/vicinity.c).
+ * ROWS.  Up to AHEAD_ROWS rays are looked along at once.  Each question (a look, the bounds over a stretch,
+ * the tail, the start) is put for all of them, by loops that become vector code.  What follows from the
+ * answer is each ray's own affair, and no row is read for another: a ray gets the same bits in any company.
+ * Rows that are done are asked again at the same point.  After a few steps the rays that are left are given
+ * back, to be put beside others (ray/vicinity.c).
  *
  * ROUNDING.  Each number is off by less than 2^-43 of the sum of the magnitudes of all that it is made of,
  * as there are at most 2^9 roundings of 2^-53, and 2^-900 for underflow.  Bounds are made wider by that, and
@@ -68,7 +68,10 @@ static bool any(size_t n, const bool *of)
 }
 
 /* |G''| at most. */
-static double bend_of(const ahead_overs *over, size_t i) { return larger(-over->bend_lo[i], over->bend_hi[i]); }
+static double greatest_bend(const ahead_overs *over, size_t i)
+{
+    return larger(-over->bend_lo[i], over->bend_hi[i]);
+}
 
 /* G at the two ends, certainly at least this far from zero; the length; s G'' and |G''| at most.  A NaN tells
  * nothing. */
@@ -141,8 +144,9 @@ static void leave_start(const ahead_ops *ops, const void *w, size_t n, march *m,
         ops->over(w, 0, rows, m->t, to, &over);
         for (size_t i = 0; i < n; i++) {
             if (!starting[i]) continue;
-            const double slope = fabs(m->at.slope[i]), bend = bend_of(&over, i), most_step = 0x1p-6 * slope / bend,
-                         step = most_step < h[i] ? most_step : h[i], off = m->at.slope_err[i] + bend * step;
+            const double slope = fabs(m->at.slope[i]), bend = greatest_bend(&over, i),
+                         most_step = 0x1p-6 * slope / bend, step = most_step < h[i] ? most_step : h[i],
+                         off = m->at.slope_err[i] + bend * step;
             if (!(to[i] > m->t[i] && to[i] < HUGE_VAL)) {
                 starting[i] = m->asked[i] = false;
             } else if (over.none[i] != 0 || !(bend < HUGE_VAL) ||
@@ -184,7 +188,8 @@ static void ask_tails(const ahead_ops *ops, const void *w, size_t n, march *m, s
     }
     ops->tail(w, 0, rows, m->t, sign, none);
     for (size_t i = 0; i < n; i++)
-        if (m->asked[i] && !(e->to[i] < HUGE_VAL) && none[i] != 0) m->asked[i] = false, e->kind[i] = AHEAD_NONE;
+        if (m->asked[i] && !(e->to[i] < HUGE_VAL) && none[i] != 0)
+            m->asked[i] = false, e->kind[i] = AHEAD_NONE;
 }
 
 /* What the next point has shown of row i: nothing is met before it; or it parts one root from others, near
@@ -194,7 +199,8 @@ typedef enum shown { SHORTER, MOVES, PARTED } shown;
 static shown next_shows(march *m, size_t i, double *root)
 {
     const double h = m->h[i], a = fabs(m->at.g[i]) - m->at.err[i], sign = m->at.g[i] > 0 ? 1 : -1,
-                 b = fabs(m->next.g[i]) - m->next.err[i], g = m->next.g[i], greatest = bend_of(&m->over, i),
+                 b = fabs(m->next.g[i]) - m->next.err[i], g = m->next.g[i],
+                 greatest = greatest_bend(&m->over, i),
                  most = sign > 0 ? m->over.bend_hi[i] : -m->over.bend_lo[i], fall = -sign * m->at.slope[i];
     const bool certain = a > 0, like = b > 0 && sign * g > 0, unlike = certain && b > 0 && sign * g < 0;
     if (m->over.none[i] != 0 || m->over.g_lo[i] > 0 || m->over.g_hi[i] < 0) return MOVES;
@@ -215,7 +221,7 @@ static shown next_shows(march *m, size_t i, double *root)
 /* Moves row i to its next point. */
 static void move_on(march *m, size_t i, sgt_ahead *e)
 {
-    const double greatest = bend_of(&m->over, i), rest = fabs(m->next.g[i]) - m->next.err[i],
+    const double greatest = greatest_bend(&m->over, i), rest = fabs(m->next.g[i]) - m->next.err[i],
                  falls = m->next.g[i] > 0 ? -m->next.slope[i] : m->next.slope[i],
                  up = m->next.g[i] > 0 ? m->over.bend_hi[i] : -m->over.bend_lo[i];
     e->clear[i] = m->t[i] = m->to[i], take_look(&m->at, &m->next, i);

@@ -13,10 +13,10 @@
 #include "ahead.h"
 
 typedef struct biconic_way {
-    double b;                /* of a cylinder or a conic */
-    double c[2], bent[2];    /* c and A, of x and y */
+    double b;             /* of a cylinder or a conic */
+    double c[2], bent[2]; /* c and A, of x and y */
     const sgt_ahead *ray;
-    ahead_quadratics g;      /* up to t^2; then t^3 and t^4 */
+    ahead_quadratics g; /* up to t^2; then t^3 and t^4 */
     ahead_row g3, g4, m3, m4;
     ahead_quadratics bend, n, rest, inside; /* n: N; rest: N - z; inside: 1 - Q */
 } biconic_way;
@@ -32,7 +32,8 @@ SGT_KERNEL
 static void plain_at(const void *self, size_t from, size_t n, const double *t, ahead_looks *restrict out)
 {
     const biconic_way *w = self;
-    LANES for (size_t i = from; i < n; i++) {
+    LANES for (size_t i = from; i < n; i++)
+    {
         const ahead_quadratic g = ahead_quadratic_of(&w->g, i);
         const double far = fabs(t[i]);
         out->g[i] = ahead_value(g, t[i]), out->err[i] = ahead_off(g, far);
@@ -47,7 +48,8 @@ static void plain_over(const void *self, size_t first, size_t n, const double *f
 {
     const biconic_way *w = self;
     const double b = w->b;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic g = ahead_quadratic_of(&w->g, i);
         const sgt_interval z = ahead_range(height_of(w->ray, i), from[i], to[i]);
         const double off = 2 * (AHEAD_LOST * g.m2 + AHEAD_LEAST);
@@ -63,7 +65,8 @@ static void plain_tail(const void *self, size_t first, size_t n, const double *t
 {
     const biconic_way *w = self;
     const double b = w->b;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic z = height_of(w->ray, i);
         const mask keeps = MASK(sign[i] != 0) & ahead_keeps(ahead_quadratic_of(&w->g, i), t[i], sign[i]),
                    over = MASK(b * z.c1 >= 0) &
@@ -81,11 +84,13 @@ static void plain_start(const void *self, size_t first, size_t n, const double *
 {
     const biconic_way *w = self;
     const double curved = w->b, b = fabs(curved);
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double height = w->ray->o[2][i] + t[i] * w->ray->d[2][i], fall = fabs(w->ray->d[2][i]),
                      at = 1 - curved * height, K = 2 * at + b * f[i] + 0x1p-40,
                      width = f[i] * K / least[i] * (1 + 0x1p-20);
-        const sgt_interval p = ahead_about(at, b * fall * width + 0x1p-40), z = ahead_about(height, fall * width),
+        const sgt_interval p = ahead_about(at, b * fall * width + 0x1p-40),
+                           z = ahead_about(height, fall * width),
                            N = ahead_range(ahead_quadratic_of(&w->n, i), t[i], t[i] + width);
         out->width[i] = chosen(MASK(at > 0) & MASK(p.lo > 0), width, (double)NAN);
         out->ratio[i] = K / (2 * p.lo);
@@ -96,16 +101,17 @@ static void plain_start(const void *self, size_t first, size_t n, const double *
 /* ----------------------------------------------------------------------- a biconic */
 
 SGT_KERNEL
-static void biconic_way_at(const void *self, size_t first, size_t n, const double *t, ahead_looks *restrict out)
+static void biconic_way_at(const void *self, size_t first, size_t n, const double *t,
+                           ahead_looks *restrict out)
 {
     const biconic_way *w = self;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic p = ahead_quadratic_of(&w->g, i);
         const double x = t[i], far = fabs(x), c3 = w->g3[i], c4 = w->g4[i], m3 = w->m3[i], m4 = w->m4[i];
         out->g[i] = (((c4 * x + c3) * x + p.c2) * x + p.c1) * x + p.c0;
         out->slope[i] = ((4 * c4 * x + 3 * c3) * x + 2 * p.c2) * x + p.c1;
-        out->err[i] =
-            AHEAD_LOST * ((((m4 * far + m3) * far + p.m2) * far + p.m1) * far + p.m0) + AHEAD_LEAST;
+        out->err[i] = AHEAD_LOST * ((((m4 * far + m3) * far + p.m2) * far + p.m1) * far + p.m0) + AHEAD_LEAST;
         out->slope_err[i] =
             AHEAD_LOST * (((4 * m4 * far + 3 * m3) * far + 2 * p.m2) * far + p.m1) + AHEAD_LEAST;
     }
@@ -116,14 +122,15 @@ static void biconic_way_over(const void *self, size_t first, size_t n, const dou
                              ahead_overs *restrict out)
 {
     const biconic_way *w = self;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double a = from[i], b = to[i];
         const sgt_interval z = ahead_range(height_of(w->ray, i), a, b),
                            rest = ahead_range(ahead_quadratic_of(&w->rest, i), a, b),
                            in = ahead_range(ahead_quadratic_of(&w->inside, i), a, b),
                            bend = ahead_range(ahead_quadratic_of(&w->bend, i), a, b);
-        const mask none = (MASK(z.lo > 0) & MASK(rest.hi < 0)) | (MASK(z.hi < 0) & MASK(rest.lo > 0)) |
-                          MASK(in.hi < 0);
+        const mask none =
+            (MASK(z.lo > 0) & MASK(rest.hi < 0)) | (MASK(z.hi < 0) & MASK(rest.lo > 0)) | MASK(in.hi < 0);
         out->none[i] = chosen(none, 1, 0);
         out->g_lo[i] = -HUGE_VAL, out->g_hi[i] = HUGE_VAL;
         out->bend_lo[i] = bend.lo, out->bend_hi[i] = bend.hi;
@@ -152,7 +159,8 @@ static void biconic_way_tail(const void *self, size_t first, size_t n, const dou
                              double *restrict none)
 {
     const biconic_way *w = self;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic z = height_of(w->ray, i), rest = ahead_quadratic_of(&w->rest, i);
         const double at = ahead_value(z, t[i]), side = copysign(1, at);
         const mask keeps = MASK(sign[i] != 0) & quartic_keeps(w, i, t[i], sign[i]),
@@ -163,10 +171,11 @@ static void biconic_way_tail(const void *self, size_t first, size_t n, const dou
 }
 
 /* |x s_x|, at least: s_x = x (2 c + A s / phi) / (1 + phi). */
-SGT_INLINE double least_term(double c, double A, double at, double phi, sgt_interval z, double low, double high,
-                             double o, double d, double t, double width)
+SGT_INLINE double least_term(double c, double A, double at, double phi, sgt_interval z, double low,
+                             double high, double o, double d, double t, double width)
 {
-    const double by = A * at / phi, off = fabs(A) * (z.hi / low - z.lo / high) + 0x1p-40 * (fabs(c) + fabs(by));
+    const double by = A * at / phi,
+                 off = fabs(A) * (z.hi / low - z.lo / high) + 0x1p-40 * (fabs(c) + fabs(by));
     const sgt_interval p = ahead_about(o + t * d, fabs(d) * width + 0x1p-40 * fabs(t * d));
     return larger(fabs(2 * c + by) - off, 0) * (p.lo * p.lo) / (1 + high);
 }
@@ -178,7 +187,8 @@ static void biconic_way_start(const void *self, size_t first, size_t n, const do
     const biconic_way *w = self;
     const sgt_ahead *e = w->ray;
     const double cx = w->c[0], cy = w->c[1], A = w->bent[0], B = w->bent[1];
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic inside = ahead_quadratic_of(&w->inside, i);
         const double at = e->o[2][i] + t[i] * e->d[2][i], size = fabs(at), in = ahead_value(inside, t[i]),
                      phi = sqrt(larger(in, 0)),
@@ -186,7 +196,8 @@ static void biconic_way_start(const void *self, size_t first, size_t n, const do
                      width = f[i] * K / least[i] * (1 + 0x1p-20);
         const sgt_interval D = ahead_range(inside, t[i], t[i] + width),
                            z = ahead_about(at, fabs(e->d[2][i]) * width);
-        const double low = sqrt(larger(D.lo, 0)) * (1 - 0x1p-40), high = sqrt(larger(D.hi, 0)) * (1 + 0x1p-40);
+        const double low = sqrt(larger(D.lo, 0)) * (1 - 0x1p-40),
+                     high = sqrt(larger(D.hi, 0)) * (1 + 0x1p-40);
         const mask known = MASK(in > 0x1p-10) & MASK(size > 0) & MASK(D.lo > 0x1p-12) & MASK(z.lo > 0);
         out->width[i] = chosen(known, width, (double)NAN);
         out->ratio[i] = K / (2 * z.lo * low * (1 + low));
@@ -201,8 +212,10 @@ SGT_KERNEL
 static void plain_begin(biconic_way *restrict w, size_t n, sgt_ahead *restrict e)
 {
     const double cx = w->c[0], cy = w->c[1], b = w->b;
-    LANES for (size_t i = 0; i < n; i++) {
-        const ahead_quadratic x2 = ahead_square(e->o[0][i], e->d[0][i]), y2 = ahead_square(e->o[1][i], e->d[1][i]),
+    LANES for (size_t i = 0; i < n; i++)
+    {
+        const ahead_quadratic x2 = ahead_square(e->o[0][i], e->d[0][i]),
+                              y2 = ahead_square(e->o[1][i], e->d[1][i]),
                               z2 = ahead_square(e->o[2][i], e->d[2][i]), z = height_of(e, i),
                               N = ahead_sum(ahead_scaled(x2, cx), ahead_scaled(y2, cy));
         ahead_quadratic_put(&w->n, i, N);
@@ -220,8 +233,10 @@ SGT_KERNEL
 static void biconic_way_begin(biconic_way *restrict w, size_t n, sgt_ahead *restrict e)
 {
     const double cx = w->c[0], cy = w->c[1], A = w->bent[0], B = w->bent[1];
-    LANES for (size_t i = 0; i < n; i++) {
-        const ahead_quadratic x2 = ahead_square(e->o[0][i], e->d[0][i]), y2 = ahead_square(e->o[1][i], e->d[1][i]),
+    LANES for (size_t i = 0; i < n; i++)
+    {
+        const ahead_quadratic x2 = ahead_square(e->o[0][i], e->d[0][i]),
+                              y2 = ahead_square(e->o[1][i], e->d[1][i]),
                               z2 = ahead_square(e->o[2][i], e->d[2][i]), z = height_of(e, i),
                               N = ahead_sum(ahead_scaled(x2, cx), ahead_scaled(y2, cy)),
                               q = ahead_sum(ahead_scaled(x2, A), ahead_scaled(y2, B)),
@@ -248,8 +263,8 @@ static void biconic_way_begin(biconic_way *restrict w, size_t n, sgt_ahead *rest
         const double c = inside.c2, root = sqrt(larger(inside.c1 * inside.c1 - 4 * c * inside.c0, 0));
         double end = (-inside.c1 - root) / (2 * c);
         end += 0x1p-20 * (fabs(end) + fabs(e->from[i]));
-        const mask ends = MASK(c < 0) & MASK(end > e->from[i]) & MASK(end < e->to[i]) &
-                          ahead_keeps(inside, end, -1);
+        const mask ends =
+            MASK(c < 0) & MASK(end > e->from[i]) & MASK(end < e->to[i]) & ahead_keeps(inside, end, -1);
         e->to[i] = chosen(ends, end, e->to[i]);
     }
 }
@@ -265,8 +280,10 @@ void sgt_biconic_ahead(const departure_sag *s, size_t n, sgt_ahead *e)
     biconic_way w;
     w.b = b->c_x != 0 ? bx : by, w.ray = e;
     w.c[0] = b->c_x, w.c[1] = b->c_y, w.bent[0] = bx * b->c_x, w.bent[1] = by * b->c_y;
-    if (plain) plain_begin(&w, rows, e);
-    else biconic_way_begin(&w, rows, e);
+    if (plain)
+        plain_begin(&w, rows, e);
+    else
+        biconic_way_begin(&w, rows, e);
     ahead_drop_unusual(b->c_x, b->c_y, rows, e);
     sgt_look_ahead(plain ? &plain_ops : &ops, &w, n, 1, e);
 }

@@ -33,9 +33,8 @@ SGT_INLINE sgt_interval conic_bends(double k1c2, sgt_interval r2)
 {
     const double a = 1 - k1c2 * larger(r2.lo, 0), b = 1 - k1c2 * r2.hi, lo = smaller(a, b) - 0x1p-40,
                  hi = larger(a, b) + 0x1p-40, low = sqrt(larger(lo, 0)), high = sqrt(larger(hi, 0));
-    return (sgt_interval){
-        smaller(1 / high, 1 / (high * high * high)),
-        chosen(MASK(lo > 0x1p-10), larger(1 / low, 1 / (low * low * low)), HUGE_VAL)};
+    return (sgt_interval){smaller(1 / high, 1 / (high * high * high)),
+                          chosen(MASK(lo > 0x1p-10), larger(1 / low, 1 / (low * low * low)), HUGE_VAL)};
 }
 
 /* At least the slope of s + P at r^2, and about it. */
@@ -44,14 +43,16 @@ SGT_INLINE double grid_slope(double steep, double c, double r2, double bends)
     return (steep + fabs(c) * bends * sqrt(larger(r2, 0))) * (1 + 0x1p-20);
 }
 
-/* The nearest points of the rectangle, and how far G may be off from F there, because of that and rounding. */
+/* The nearest points of the rectangle, and how far G may be off from F there, because of that and rounding.
+ */
 SGT_KERNEL
-static void points_of(const grid_way *w, size_t first, size_t n, const double *t, double *restrict px,
-                      double *restrict py, double *restrict pz, double *restrict off)
+static void grid_points_at(const grid_way *w, size_t first, size_t n, const double *t, double *restrict px,
+                           double *restrict py, double *restrict pz, double *restrict off)
 {
     const sgt_ahead *e = w->ray;
     const double X = w->edge_x, Y = w->edge_y;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double at = t[i], dx = e->d[0][i], dy = e->d[1][i], tx = at * dx, ty = at * dy,
                      x = e->o[0][i] + tx, y = e->o[1][i] + ty, in_x = larger(smaller(x, X), -X),
                      in_y = larger(smaller(y, Y), -Y), over_x = fabs(x - in_x), over_y = fabs(y - in_y),
@@ -64,13 +65,14 @@ static void points_of(const grid_way *w, size_t first, size_t n, const double *t
 }
 
 SGT_KERNEL
-static void looks_of(const grid_way *w, size_t first, size_t n, const double *t, const double *off,
-                     const double *const grad[3], const double *own, ahead_looks *restrict out)
+static void grid_looks(const grid_way *w, size_t first, size_t n, const double *t, const double *off,
+                       const double *const grad[3], const double *own, ahead_looks *restrict out)
 {
     const sgt_ahead *e = w->ray;
     const double c = w->g->c, k1c2 = (1 + w->g->k) * c * c, steepest = w->g->steep, bent = w->g->bend;
     const double *nx = grad[0], *ny = grad[1], *nz = grad[2];
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double at = t[i], dx = e->d[0][i], dy = e->d[1][i], dz = e->d[2][i], x = e->o[0][i] + at * dx,
                      y = e->o[1][i] + at * dy, r2 = x * x + y * y, far = off[i];
         const sgt_interval bends = conic_bends(k1c2, (sgt_interval){0, r2});
@@ -88,12 +90,12 @@ static void grid_way_at(const void *self, size_t i, size_t n, const double *t, a
 {
     const grid_way *w = self;
     ahead_row p[3], grad[3], off, own;
-    points_of(w, i, n, t, p[0], p[1], p[2], off);
+    grid_points_at(w, i, n, t, p[0], p[1], p[2], off);
     const sgt_points at = {{p[0] + i, p[1] + i, p[2] + i}};
     sgt_departure_values_rounded(&w->sag, &w->shared, NULL, n - i, at,
                                  (sgt_values){out->g + i, {grad[0] + i, grad[1] + i, grad[2] + i}}, own + i);
     const double *const of[3] = {grad[0], grad[1], grad[2]};
-    looks_of(w, i, n, t, off, of, own, out);
+    grid_looks(w, i, n, t, off, of, own, out);
 }
 
 /* Is one coordinate beyond the edge all along? */
@@ -104,8 +106,8 @@ SGT_INLINE mask beyond_edge(double edge, double o, double d, double from, double
     return MASK(smaller(a, b) - lost > edge) | MASK(larger(a, b) + lost < -edge);
 }
 
-/* Nothing is there if a coordinate is beyond the edge all along, or r beyond the conic.  A part of the stretch
- * may be beyond the edge, where P is no number: G has those bounds if it went on. */
+/* Nothing is there if a coordinate is beyond the edge all along, or r beyond the conic.  A part of the
+ * stretch may be beyond the edge, where P is no number: G has those bounds if it went on. */
 SGT_KERNEL
 static void grid_way_over(const void *self, size_t first, size_t n, const double *from, const double *to,
                           ahead_overs *restrict out)
@@ -114,13 +116,14 @@ static void grid_way_over(const void *self, size_t first, size_t n, const double
     const sgt_ahead *e = w->ray;
     const double c = w->g->c, k1c2 = (1 + w->g->k) * c * c, bent = w->g->bend * (1 + 0x1p-20),
                  height = w->g->height * (1 + 0x1p-20), X = w->edge_x, Y = w->edge_y;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double a = from[i], b = to[i], l2 = w->l2[i];
         const sgt_interval r2 = ahead_range(ahead_quadratic_of(&w->r2, i), a, b),
                            z = ahead_range(ahead_linear(e->o[2][i], e->d[2][i]), a, b),
                            bends = conic_bends(k1c2, r2);
         const double least2 = larger(r2.lo, 0), /* 1 + k may be below 0 */
-                     in = c * least2 / (1 + sqrt(1 - k1c2 * least2)), edge = c * r2.hi / (1 + sqrt(1 - k1c2 * r2.hi)),
+            in = c * least2 / (1 + sqrt(1 - k1c2 * least2)), edge = c * r2.hi / (1 + sqrt(1 - k1c2 * r2.hi)),
                      off = height + 0x1p-40 * (fabs(in) + fabs(edge) + fabs(z.lo) + fabs(z.hi)) + AHEAD_LEAST,
                      least = smaller(c * bends.lo, c * bends.hi), most = larger(c * bends.lo, c * bends.hi),
                      lost = 0x1p-30 * (fabs(most) + fabs(least)) + AHEAD_LEAST;
@@ -165,7 +168,8 @@ static void grid_way_start(const void *self, size_t first, size_t n, const doubl
         for (int j = 0; j < 3; j++)
             at[j] = larger(fabs(p[j][i]) * (1 - 0x1p-40) - fabs(e->d[j][i]) * width, 0);
         out->width[i] = bends.hi < HUGE_VAL && width < HUGE_VAL ? width : (double)NAN, out->ratio[i] = 1;
-        out->terms[i] = at[0] * larger(fabs(grad[0][i]) - off, 0) + at[1] * larger(fabs(grad[1][i]) - off, 0) + at[2];
+        out->terms[i] =
+            at[0] * larger(fabs(grad[0][i]) - off, 0) + at[1] * larger(fabs(grad[1][i]) - off, 0) + at[2];
     }
 }
 
@@ -174,16 +178,19 @@ SGT_KERNEL
 static void grid_way_begin(grid_way *restrict w, size_t n, sgt_ahead *restrict e)
 {
     const double edge[2] = {w->edge_x, w->edge_y};
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         const double dx = e->d[0][i], dy = e->d[1][i];
         w->l2[i] = (dx * dx + dy * dy) * (1 + 0x1p-40);
         ahead_quadratic_put(&w->r2, i, ahead_sum(ahead_square(e->o[0][i], dx), ahead_square(e->o[1][i], dy)));
     }
     for (int j = 0; j < 2; j++) {
         const double far = edge[j];
-        LANES for (size_t i = 0; i < n; i++) {
+        LANES for (size_t i = 0; i < n; i++)
+        {
             const double o = e->o[j][i], d = e->d[j][i], there = (copysign(far, d) - o) / d,
-                         end = there + (0x1p-20 * (there - e->from[i]) + 0x1p-40 * (fabs(there) + fabs(o / d)));
+                         end =
+                             there + (0x1p-20 * (there - e->from[i]) + 0x1p-40 * (fabs(there) + fabs(o / d)));
             const mask ends = MASK(d != 0) & MASK(end > e->from[i]) & MASK(end < e->to[i]) &
                               beyond_edge(far, o, d, end, end);
             e->to[i] = chosen(ends, end, e->to[i]);

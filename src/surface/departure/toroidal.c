@@ -163,7 +163,8 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, bool sl
     sgt_interval h = {0, 0}, dh = {0, 0}, ddh = {0, 0};
     for (int i = toroidal_terms_of(a) - 1; i >= 0; i--) {
         sgt_interval of = sgt_interval_of(a->a[i]), first = sgt_interval_scaled(of, i + 1);
-        if (slopes && i > 0) ddh = sgt_interval_sum(sgt_interval_product(ddh, rho), sgt_interval_scaled(first, i));
+        if (slopes && i > 0)
+            ddh = sgt_interval_sum(sgt_interval_product(ddh, rho), sgt_interval_scaled(first, i));
         if (slopes) dh = sgt_interval_sum(sgt_interval_product(dh, rho), first);
         h = sgt_interval_sum(sgt_interval_product(h, rho), of);
     }
@@ -188,7 +189,8 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     sgt_interval phi2 = sgt_interval_difference(
         one, sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(v)));
     if (phi2.hi < 0) return 0;
-    sgt_interval phi = sgt_interval_square_root(phi2), p, ddp, dp = powers_over(a, rho, !at->heights, &p, &ddp);
+    sgt_interval phi = sgt_interval_square_root(phi2), p, ddp,
+                 dp = powers_over(a, rho, !at->heights, &p, &ddp);
     sgt_interval z = sgt_interval_sum(
         sgt_interval_quotient(sgt_interval_product(v, at->y), sgt_interval_sum(one, phi)), p);
     sgt_interval q = sgt_interval_difference(one, sgt_interval_product(c_x, z)),
@@ -441,7 +443,8 @@ static void toroidal_noise_in_box(const void *self, double x, double y, double e
 SGT_NARROW(sgt_interval, sgt_toroidal_range, (const void *self, const region *where))
 {
     const double r2 = sgt_product_above(where->r_hi, where->r_hi);
-    toroidal_slice at = {.x = sgt_interval_absolute(where->x), .y = sgt_interval_absolute(where->y), .heights = true};
+    toroidal_slice at = {.x = sgt_interval_absolute(where->x), .y = sgt_interval_absolute(where->y),
+                         .heights = true};
     const double x2 = sgt_sum_above(r2, -sgt_interval_square(at.y).lo); /* as in `sliced` */
     if (!(x2 >= 0)) return sgt_interval_empty();
     at.x = sgt_interval_intersection(at.x, sgt_interval_between(0, sgt_square_root_above(x2)));

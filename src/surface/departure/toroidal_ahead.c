@@ -42,8 +42,8 @@ typedef struct ahead_powers {
 
 /* With P the sum of a y^(2i) and R = y^2: z = R P, z' = 2 y (P + R P'), z'' = 2 (P + R P') + 4 R (2 P' + R
  * P''). */
-SGT_INLINE void powers_of(const toroidal_way *w, int terms, size_t first, size_t n, const double *restrict y,
-                          ahead_powers *restrict out)
+SGT_INLINE void powers_about(const toroidal_way *w, int terms, size_t first, size_t n,
+                             const double *restrict y, ahead_powers *restrict out)
 {
     double up[8], down[8];
     for (int j = 0; j < terms; j++) up[j] = larger(w->a->a[j], 0), down[j] = larger(-w->a->a[j], 0);
@@ -63,11 +63,11 @@ SGT_INLINE void powers_of(const toroidal_way *w, int terms, size_t first, size_t
     }
 }
 
-#define POWERS(NAME, TERMS)                                                                                  \
-    SGT_KERNEL                                                                                               \
-    static void NAME(const toroidal_way *w, size_t first, size_t n, const double *y, ahead_powers *out)      \
-    {                                                                                                        \
-        powers_of(w, TERMS, first, n, y, out);                                                               \
+#define POWERS(NAME, TERMS)                                                                             \
+    SGT_KERNEL                                                                                          \
+    static void NAME(const toroidal_way *w, size_t first, size_t n, const double *y, ahead_powers *out) \
+    {                                                                                                   \
+        powers_about(w, TERMS, first, n, y, out);                                                       \
     }
 POWERS(powers_few, 4)
 POWERS(powers_many, 8)
@@ -88,7 +88,8 @@ SGT_INLINE void profile_by(const toroidal_way *w, bool flat, bool falls, bool sl
                            const double *restrict to, profiles *restrict out)
 {
     const double c = fabs(w->a->c), sign = w->a->c < 0 ? -1 : 1, k1c2 = w->k1c2;
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double a = from[i], b = to[i], width = b - a, bent_a = k1c2 * a * a, bent_b = k1c2 * b * b,
                      off_a = 0x1p-48 * (1 + fabs(bent_a)), off_b = 0x1p-48 * (1 + fabs(bent_b)),
                      phi2_a = 1 - bent_a, phi2_b = 1 - bent_b, phi_a = sqrt(larger(phi2_a + off_a, 0)),
@@ -139,8 +140,9 @@ static void profile_over(const toroidal_way *w, size_t first, size_t n, const do
 {
     ahead_powers near, far;
     powers_at(w, first, n, from, &near), powers_at(w, first, n, to, &far);
-    (w->a->c == 0 ? flat_profile : w->k1c2 > 0 ? round_profile : opening_profile)(w, &near, &far, first, n,
-                                                                                  from, to, out);
+    (w->a->c == 0  ? flat_profile
+     : w->k1c2 > 0 ? round_profile
+                   : opening_profile)(w, &near, &far, first, n, from, to, out);
 }
 
 /* The same where these are next to each other: the powers and their slopes are at `from` what they are at
@@ -150,15 +152,16 @@ static void profile_at(const toroidal_way *w, size_t first, size_t n, const doub
 {
     ahead_powers far;
     powers_at(w, first, n, to, &far);
-    (w->a->c == 0 ? flat_point : w->k1c2 > 0 ? round_point : opening_point)(w, &far, &far, first, n, from, to,
-                                                                            out);
+    (w->a->c == 0  ? flat_point
+     : w->k1c2 > 0 ? round_point
+                   : opening_point)(w, &far, &far, first, n, from, to, out);
 }
 
 /* |y| over a stretch, made wider. */
-SGT_INLINE sgt_interval width_of(double o, double d, double from, double to)
+SGT_INLINE sgt_interval width_along(double o, double d, double from, double to)
 {
-    double a = o + from * d, b = o + to * d, off = 0x1p-50 * (fabs(o) + larger(fabs(from), fabs(to)) * fabs(d)),
-           lo = smaller(fabs(a), fabs(b));
+    double a = o + from * d, b = o + to * d,
+           off = 0x1p-50 * (fabs(o) + larger(fabs(from), fabs(to)) * fabs(d)), lo = smaller(fabs(a), fabs(b));
     lo = chosen((MASK(a > 0) & MASK(b > 0)) | (MASK(a <= 0) & MASK(b <= 0)), lo, 0);
     return (sgt_interval){larger(lo - off, 0), larger(fabs(a), fabs(b)) + off};
 }
@@ -167,8 +170,9 @@ SGT_KERNEL
 static void widths_over(const sgt_ahead *e, size_t first, size_t n, const double *from, const double *to,
                         double *restrict lo, double *restrict hi)
 {
-    LANES for (size_t i = first; i < n; i++) {
-        sgt_interval y = width_of(e->o[1][i], e->d[1][i], from[i], to[i]);
+    LANES for (size_t i = first; i < n; i++)
+    {
+        sgt_interval y = width_along(e->o[1][i], e->d[1][i], from[i], to[i]);
         lo[i] = y.lo, hi[i] = y.hi;
     }
 }
@@ -189,11 +193,12 @@ SGT_INLINE sgt_interval swept_over(double c_x, sgt_interval z)
 }
 
 SGT_KERNEL
-static void looks_of(const toroidal_way *w, size_t first, size_t n, const double *t, const double *y_lo,
-                     const profiles *of, ahead_looks *restrict out)
+static void toroidal_looks(const toroidal_way *w, size_t first, size_t n, const double *t, const double *y_lo,
+                           const profiles *of, ahead_looks *restrict out)
 {
     const double c_x = w->a->c_x, b = fabs(c_x);
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double x = t[i], d = w->ray->d[1][i], far = fabs(x), dy = fabs(d);
         const ahead_quadratic rest = ahead_quadratic_of(&w->rest, i);
         const sgt_interval z = {of->lo[0][i], of->hi[0][i]}, s = {of->lo[1][i], of->hi[1][i]},
@@ -202,8 +207,9 @@ static void looks_of(const toroidal_way *w, size_t first, size_t n, const double
                      steep = chosen(MASK(w->ray->o[1][i] + x * d < 0), -middle, middle),
                      slopes = larger(-s.lo, s.hi), heights = larger(-z.lo, z.hi);
         const double err = ahead_off(rest, far) + (0.5 * (g.hi - g.lo) + AHEAD_LOST * larger(-g.lo, g.hi));
-        double slope_err = AHEAD_LOST * (2 * rest.m2 * far + rest.m1) + AHEAD_LEAST +
-                           dy * ((s.hi - s.lo) * (1 + b * heights) + slopes * b * (z.hi - z.lo)) * (1 + 0x1p-20);
+        double slope_err =
+            AHEAD_LOST * (2 * rest.m2 * far + rest.m1) + AHEAD_LEAST +
+            dy * ((s.hi - s.lo) * (1 + b * heights) + slopes * b * (z.hi - z.lo)) * (1 + 0x1p-20);
         slope_err += chosen(MASK(y_lo[i] == 0), 4 * dy * slopes * (1 + b * heights), 0);
         out->g[i] = ahead_value(rest, x) + 0.5 * (g.lo + g.hi);
         out->slope[i] = 2 * rest.c2 * x + rest.c1 + 2 * d * steep * (1 - c_x * height);
@@ -218,7 +224,7 @@ static void toroidal_way_at(const void *self, size_t first, size_t n, const doub
     profiles of;
     widths_over(w->ray, first, n, t, t, lo, hi);
     profile_at(w, first, n, lo, hi, &of);
-    looks_of(w, first, n, t, lo, &of, out);
+    toroidal_looks(w, first, n, t, lo, &of, out);
 }
 
 /* -------------------------------------------------------------------- over a stretch */
@@ -232,11 +238,12 @@ SGT_INLINE mask is_above_axis(double c_x, double o, double d, double from, doubl
 }
 
 SGT_KERNEL
-static void stretches_of(const toroidal_way *w, size_t first, size_t n, const double *from, const double *to,
-                         const profiles *of, ahead_overs *restrict out)
+static void toroidal_stretches(const toroidal_way *w, size_t first, size_t n, const double *from,
+                               const double *to, const profiles *of, ahead_overs *restrict out)
 {
     const double c_x = w->a->c_x, b = fabs(c_x);
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const ahead_quadratic p = ahead_quadratic_of(&w->rest, i);
         const sgt_interval z = {of->lo[0][i], of->hi[0][i]}, s = {of->lo[1][i], of->hi[1][i]},
                            g = swept_over(c_x, z), rest = ahead_range(p, from[i], to[i]);
@@ -270,7 +277,7 @@ static void toroidal_way_over(const void *self, size_t first, size_t n, const do
     profiles of;
     widths_over(w->ray, first, n, from, to, lo, hi);
     profile_over(w, first, n, lo, hi, &of);
-    stretches_of(w, first, n, from, to, &of, out);
+    toroidal_stretches(w, first, n, from, to, &of, out);
 }
 
 /* ------------------------------------------------------------------------- the tail */
@@ -278,8 +285,7 @@ static void toroidal_way_over(const void *self, size_t first, size_t n, const do
 /* Along the profile g is a number. */
 SGT_INLINE double flat_tail(const toroidal_way *w, size_t i, double t, double sign)
 {
-    const ahead_quadratic r = ahead_quadratic_of(&w->rest, i),
-                          slope = {r.c1, 2 * r.c2, 0, r.m1, 2 * r.m2, 0};
+    const ahead_quadratic r = ahead_quadratic_of(&w->rest, i), slope = {r.c1, 2 * r.c2, 0, r.m1, 2 * r.m2, 0};
     return sign != 0 && ahead_keeps(slope, t, sign) != 0 ? 1 : 0;
 }
 
@@ -299,7 +305,8 @@ static void toroidal_way_tail(const void *self, size_t first, size_t n, const do
     if (!grows) return;
     powers_at(w, first, n, Y, &p);
     for (size_t i = first; i < n; i++) {
-        const double d = w->ray->d[1][i], y = w->ray->o[1][i] + t[i] * d, S = Y[i] / fabs(d), far = fabs(t[i]);
+        const double d = w->ray->d[1][i], y = w->ray->o[1][i] + t[i] * d, S = Y[i] / fabs(d),
+                     far = fabs(t[i]);
         if (!(y * d > 0 && Y[i] > 0)) continue;
         double own = fabs(last);
         for (int j = 0; j < w->terms; j++) own *= Y[i] * Y[i];
@@ -320,8 +327,10 @@ static void start_widths(const toroidal_way *w, size_t first, size_t n, const do
                          const double *least, double *restrict width, double *restrict to)
 {
     const double c_x = w->a->c_x, b = fabs(c_x);
-    LANES for (size_t i = first; i < n; i++) {
-        const double at = 1 - c_x * (w->ray->o[2][i] + t[i] * w->ray->d[2][i]), K = 2 * at + b * f[i] + 0x1p-40;
+    LANES for (size_t i = first; i < n; i++)
+    {
+        const double at = 1 - c_x * (w->ray->o[2][i] + t[i] * w->ray->d[2][i]),
+                     K = 2 * at + b * f[i] + 0x1p-40;
         width[i] = f[i] * K / least[i] * (1 + 0x1p-20), to[i] = t[i] + width[i];
     }
 }
@@ -331,7 +340,8 @@ static void start_terms(const toroidal_way *w, size_t first, size_t n, const dou
                         const double *width, const double *y, const profiles *of, ahead_starts *restrict out)
 {
     const double c_x = w->a->c_x, b = fabs(c_x);
-    LANES for (size_t i = first; i < n; i++) {
+    LANES for (size_t i = first; i < n; i++)
+    {
         const double dx = w->ray->d[0][i], dz = fabs(w->ray->d[2][i]), step = width[i],
                      height = w->ray->o[2][i] + t[i] * w->ray->d[2][i], at = 1 - c_x * height,
                      K = 2 * at + b * f[i] + 0x1p-40,
@@ -364,11 +374,13 @@ SGT_KERNEL
 static void toroidal_way_begin(toroidal_way *restrict w, size_t n, sgt_ahead *restrict e)
 {
     const double c_x = w->a->c_x, k1c2 = w->k1c2, end = 1 / sqrt(larger(k1c2, 0));
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         const ahead_quadratic x2 = ahead_square(e->o[0][i], e->d[0][i]),
                               z2 = ahead_square(e->o[2][i], e->d[2][i]),
                               z = ahead_linear(e->o[2][i], e->d[2][i]);
-        ahead_quadratic_put(&w->rest, i, ahead_sum(ahead_scaled(ahead_sum(x2, z2), c_x), ahead_scaled(z, -2)));
+        ahead_quadratic_put(&w->rest, i,
+                            ahead_sum(ahead_scaled(ahead_sum(x2, z2), c_x), ahead_scaled(z, -2)));
         /* a t behind which c_x z > 1 */
         const double from = e->from[i], over = (1 / c_x - z.c0) / z.c1;
         double behind = over + 0x1p-20 * (fabs(over) + fabs(z.c0 / z.c1) + fabs(from)), to = e->to[i];
@@ -378,10 +390,10 @@ static void toroidal_way_begin(toroidal_way *restrict w, size_t n, sgt_ahead *re
         /* a t behind which the profile has ended */
         const double oy = e->o[1][i], dy = e->d[1][i], there = (copysign(end, dy) - oy) / dy,
                      far = there + 0x1p-20 * (fabs(there) + fabs(oy / dy) + fabs(from));
-        const sgt_interval y = width_of(oy, dy, far, far);
+        const sgt_interval y = width_along(oy, dy, far, far);
         const double bent = k1c2 * y.lo * y.lo;
-        const mask ends = MASK(k1c2 > 0) & MASK(far > from) & MASK(far < to) & MASK((oy + far * dy) * dy > 0) &
-                          MASK(1 - bent < -(0x1p-48 * (1 + fabs(bent))));
+        const mask ends = MASK(k1c2 > 0) & MASK(far > from) & MASK(far < to) &
+                          MASK((oy + far * dy) * dy > 0) & MASK(1 - bent < -(0x1p-48 * (1 + fabs(bent))));
         e->to[i] = chosen(ends, far, to);
     }
 }
