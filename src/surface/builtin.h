@@ -184,7 +184,7 @@ typedef struct sgt_even_sag { double c, k, semi_diameter; int terms; const doubl
  * ahead; the next root, if there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and
  * before lo, there is none.  start: the ray's own.  f: |F| at `from` at most, if that is the origin and may
  * be on the surface; else infinite.  A root there that the rule of the start drops is none.  length: of a
- * first step (in t).  `to` may be made less.  AHEAD_MORE: ask again, from `clear`, with the step that is told.
+ * first step (in t).  `to` may be made less.  AHEAD_MORE: ask again from `clear`, with its step.
  * step is 0 the first time. */
 enum { AHEAD_ROWS = 8 };
 typedef double ahead_row[AHEAD_ROWS];
