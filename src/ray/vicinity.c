@@ -40,13 +40,19 @@ static const known_part *vicinity_within(sgt_surface s, double rung, double aske
     return &kept->part[place];
 }
 
+/* Rays from afar need some five powers of two about where they begin, and as many about where they meet the
+ * surface.  11 places keep both for any distance of the two, mostly; the last three are those of finer rungs,
+ * too. */
+enum { COARSE_PLACES = 11 };
+
 /* Sets radius2, steep, low, high and axis within the rungs of n rays.  Of a ray that is not asked they are
  * not read. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                         vicinities *kept, const region_rows *w)
 {
     for (size_t i = 0; i < n; i++) {
-        int place = place_of(rung[i], digits, VICINITIES / 2) + (digits == COARSE ? 0 : VICINITIES / 2);
+        int place = digits == COARSE ? place_of(rung[i], COARSE, COARSE_PLACES)
+                                     : place_of(rung[i], digits, VICINITIES / 2) + VICINITIES / 2;
         const known_part *e = &kept->part[place];
         if (kept->radius[place] != rung[i]) e = vicinity_within(s, rung[i], asked[i], place, kept);
         w->radius2[i] = e->radius2, w->steep[i] = e->steep, w->low[i] = e->low, w->high[i] = e->high;
@@ -599,49 +605,112 @@ static void along_chord(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *w
     else along_chord_bent(s, n, r, whole, v);
 }
 
-/* Asks the surface what is ahead of the ray from `from` on. */
-static sgt_ahead_kind ahead_of(sgt_surface s, const sgt_ray *ray, double from, sgt_ahead *e)
+/* Puts a ray, and that it is asked from `from` on, into row j.  step: as in sgt_ahead. */
+static void ahead_put(const sgt_ray *ray, double from, double step, sgt_ahead *e, size_t j)
 {
     const sgt_vec3 o = ray->o, d = ray->d;
-    *e = (sgt_ahead){.start = ray->tmin, .from = from, .to = ray->tmax, .f = HUGE_VAL, .clear = from};
-    e->length = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
-    if (from == 0 && starts_low(o, ray->tmin)) {
-        sgt_vec3 unused;
-        double f = fabs(s.ops->value(s.self, o, &unused)) + s.ops->rounding(s.self, o);
-        if (f <= START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z))) e->f = f;
-    }
-    return s.ops->own_->ahead(s.self, ray, e);
+    e->o[0][j] = o.x, e->o[1][j] = o.y, e->o[2][j] = o.z;
+    e->d[0][j] = d.x, e->d[1][j] = d.y, e->d[2][j] = d.z;
+    e->start[j] = ray->tmin, e->from[j] = from, e->to[j] = ray->tmax, e->f[j] = HUGE_VAL;
+    e->step[j] = step;
+    e->length[j] = (fabs(o.x) + fabs(o.y) + fabs(o.z)) / (fabs(d.x) + fabs(d.y) + fabs(d.z));
 }
+
+/* Sets f of the rows that begin on the surface. */
+static void ahead_starts_at(sgt_surface s, size_t n, sgt_ahead *e)
+{
+    ahead_row f, unread[3];
+    bool some = false, low[AHEAD_ROWS];
+    for (size_t j = 0; j < n; j++) {
+        const sgt_vec3 o = {e->o[0][j], e->o[1][j], e->o[2][j]};
+        low[j] = e->from[j] == 0 && e->step[j] == 0 && starts_low(o, e->start[j]), some = some || low[j];
+    }
+    if (!some) return;
+    s.ops->values(s.self, n, (sgt_points){{e->o[0], e->o[1], e->o[2]}},
+                  (sgt_values){f, {unread[0], unread[1], unread[2]}});
+    for (size_t j = 0; j < n; j++) {
+        const sgt_vec3 o = {e->o[0][j], e->o[1][j], e->o[2][j]};
+        const double most = START_ULPS * (fabs(o.x) + fabs(o.y) + fabs(o.z));
+        if (!(low[j] && fabs(f[j]) <= most)) continue;
+        f[j] = fabs(f[j]) + s.ops->rounding(s.self, o);
+        if (f[j] <= most) e->f[j] = f[j];
+    }
+}
+
+enum { AHEAD_PASSES = 16 };
 
 bool sgt_nothing_ahead(sgt_surface s, const sgt_ray *ray)
 {
     sgt_ahead e;
-    return fabs(ray->tmin) < HUGE_VAL && ahead_of(s, ray, ray->tmin, &e) == AHEAD_NONE;
+    if (!(fabs(ray->tmin) < HUGE_VAL)) return false;
+    ahead_put(ray, ray->tmin, 0, &e, 0), ahead_starts_at(s, 1, &e);
+    s.ops->own_->ahead(s.self, 1, &e);
+    for (int k = 1; k < AHEAD_PASSES && e.kind[0] == AHEAD_MORE; k++) {
+        ahead_put(ray, e.clear[0], e.step[0], &e, 0);
+        s.ops->own_->ahead(s.self, 1, &e);
+    }
+    return e.kind[0] == AHEAD_NONE;
+}
+
+/* Rows of look_ahead: from where a ray is asked next, and with which step. */
+typedef struct ahead_state {
+    double *from, *seen, *at, *step;
+} ahead_state;
+
+/* Asks of n rows of `of` what is ahead.  A row that is free holds the first ray, too.  Those that are to be
+ * asked again are put into `again`, with `at` and `step` set; returns how many. */
+static size_t look_some(sgt_surface s, const sgt_rays *r, const unsigned char *of, size_t n,
+                        const vicinity *v, ahead_state a, unsigned char *again)
+{
+    sgt_ahead e;
+    size_t more = 0;
+    for (size_t j = 0; j < (n > 1 ? AHEAD_ROWS : 1); j++) {
+        const size_t i = of[j < n ? j : 0];
+        sgt_ray ray = ray_of(r, i);
+        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
+        ahead_put(&ray, a.at[i], a.step[i], &e, j);
+    }
+    ahead_starts_at(s, n, &e);
+    s.ops->own_->ahead(s.self, n, &e);
+    for (size_t j = 0; j < n; j++) {
+        const size_t i = of[j];
+        switch (e.kind[j]) {
+        case AHEAD_MORE: again[more++] = of[j], a.at[i] = e.clear[j], a.step[i] = e.step[j]; break;
+        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
+            if (e.to[j] < HUGE_VAL) a.from[i] = larger(a.from[i], e.clear[j]);
+            break;
+        case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
+        case AHEAD_ONE:
+            v->asked[i] = 0, v->lo[i] = e.lo[j], v->hi[i] = e.hi[j], v->least[i] = NO_BOUND;
+            v->seed[i] = e.seed[j], a.seen[i] = a.seen[VICINITY_MOST] = SEEN_AHEAD;
+            break;
+        }
+    }
+    return more;
 }
 
 /* Asks that of rows: of those only that leave the surface, by their seed or by a look, or have no seed; or
  * of all. What is not known begins later, perhaps.  Marks in `seen` those whose root is parted from
- * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it. */
+ * others.  F is not asked for, but at starts: this is not counted, and no watcher is told of it.  Rays that
+ * need more steps than most are put side by side again. */
 SGT_NOINLINE
 static void look_ahead(sgt_surface s, size_t n, const sgt_rays *r, bool all, const vicinity *v, double *from,
                        double *seen)
 {
+    unsigned char of[VICINITY_MOST];
+    double at[VICINITY_MOST], step[VICINITY_MOST];
+    size_t count = 0;
     for (size_t i = 0; i < n; i++) {
         const bool leaves = from[i] > v->tmin[i] || seen[i] == SEEN_ON || !(v->seed[i] >= v->tmin[i]);
-        if (!(v->asked[i] > 0 && (all || leaves))) continue;
-        sgt_ray ray = ray_of(r, i);
-        ray.tmin = v->tmin[i], ray.tmax = v->tmax[i];
-        sgt_ahead e;
-        switch (ahead_of(s, &ray, from[i], &e)) {
-        case AHEAD_OPEN: /* on a way without an end the rest may be known better from where it was asked */
-            if (e.to < HUGE_VAL) from[i] = larger(from[i], e.clear);
-            break;
-        case AHEAD_NONE: v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0; break;
-        case AHEAD_ONE:
-            v->asked[i] = 0, v->lo[i] = e.lo, v->hi[i] = e.hi, v->least[i] = NO_BOUND, v->seed[i] = e.seed;
-            seen[i] = seen[VICINITY_MOST] = SEEN_AHEAD;
-            break;
+        if (v->asked[i] > 0 && (all || leaves)) of[count++] = (unsigned char)i, at[i] = from[i], step[i] = 0;
+    }
+    for (int k = 0; k < AHEAD_PASSES && count > 0; k++) {
+        size_t left = 0;
+        for (size_t j = 0, few; j < count; j += few) {
+            few = count - j < AHEAD_ROWS ? count - j : AHEAD_ROWS;
+            left += look_some(s, r, of + j, few, v, (ahead_state){from, seen, at, step}, of + left);
         }
+        count = left;
     }
 }
 

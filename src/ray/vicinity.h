@@ -52,7 +52,7 @@
  * AHEAD.  A toroid, a biconic and a grid without a rim know what is ahead of a ray
  * (surface/departure/ahead.c): nothing, or a stretch with one root at most, which Newton's steps are left to
  * find, with looks beside it.  They are asked of rays that leave the surface, that have no seed, and that no
- * circle has decided.
+ * circle has decided: eight at once, and those that need more steps than most side by side again.
  *
  * THE PROFILE.  A q_con, q_bfs or odd asphere without a rim has a table of its profile (profile.c).  It is
  * asked first of rays that leave the surface, and of those that begin so far out that no circle says

@@ -180,13 +180,19 @@ typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool
 /* c, k and semi_diameter as in sgt_conic, and the sum of a[i] r^(2i + 2), i < terms. */
 typedef struct sgt_even_sag { double c, k, semi_diameter; int terms; const double *a; } sgt_even_sag;
 
-/* What `ahead` is asked, and answers: nothing is known beyond `clear`; no root is ahead; the next root, if
- * there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and before lo, there is none.
- * start: the ray's own.  f: |F| at `from` at most, if that is the origin and may be on the surface; else
- * infinite.  A root there that the rule of the start drops is none.  length: of a first step (in t); part: of
- * a way with an end, set by the surface. */
-typedef enum sgt_ahead_kind { AHEAD_OPEN, AHEAD_NONE, AHEAD_ONE } sgt_ahead_kind;
-typedef struct sgt_ahead { double start, from, to, f, length, part, clear, lo, hi, seed; } sgt_ahead;
+/* What `ahead` is asked of some rays, a row each, and answers: nothing is known beyond `clear`; no root is
+ * ahead; the next root, if there is one, is the only one in [lo, hi], and near seed.  Up to `clear`, and
+ * before lo, there is none.  start: the ray's own.  f: |F| at `from` at most, if that is the origin and may
+ * be on the surface; else infinite.  A root there that the rule of the start drops is none.  length: of a
+ * first step (in t).  `to` may be made less.  AHEAD_MORE: ask again from `clear`, with its step.
+ * step is 0 the first time. */
+enum { AHEAD_ROWS = 8 };
+typedef double ahead_row[AHEAD_ROWS];
+typedef enum sgt_ahead_kind { AHEAD_OPEN, AHEAD_NONE, AHEAD_ONE, AHEAD_MORE } sgt_ahead_kind;
+typedef struct sgt_ahead {
+    ahead_row o[3], d[3], start, from, to, f, length, step, clear, lo, hi, seed;
+    sgt_ahead_kind kind[AHEAD_ROWS];
+} sgt_ahead;
 
 struct sgt_builtin_ops {
     /* The operations of each set of instructions (dispatch.h).  Set in the table of operations that a
@@ -272,9 +278,10 @@ struct sgt_builtin_ops {
     bool (*bent)(const void *self, sgt_interval *bent);
     /* Fills in what is known of a part.  false: no more is known than within the radius. */
     bool (*extent_in_part)(const void *self, sgt_part *part);
-    /* Looks along the ray from `from` to `to`, where it is not on the surface as far as rounding tells, but
-     * see sgt_ahead.  Asked where sgt_shared says so.  Called by ray/vicinity.c. */
-    sgt_ahead_kind (*ahead)(const void *self, const sgt_ray *ray, sgt_ahead *ahead);
+    /* Looks along n rays, at most AHEAD_ROWS, from `from` to `to`, where none is on the surface as far as
+     * rounding tells, but see sgt_ahead.  If n > 1, rows from n on are set, too, and are answered by nothing.
+     * Asked where sgt_shared says so.  Called by ray/vicinity.c. */
+    void (*ahead)(const void *self, size_t n, sgt_ahead *ahead);
     /* noise_within for n radii, to the bit.  NULL or false: ask one by one. */
     bool (*noises_within)(const void *self, size_t n, const double radius[], double e0[], double e1[]);
     /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/* ahead.c - the way of a ray from some point on: nothing is met, or one root is parted from all others.
+/* ahead.c - the way of some rays from some point on: nothing is met, or one root is parted from all others.
  *
  * WHAT IS LOOKED AT is not F = z - s(x, y) but a function G of t without the root of the sag: a polynomial,
  * or one with a profile in it.  Each root of F is one of G.  G has others, on sheets that are no part of the
@@ -26,66 +26,52 @@
  * each part of it.  A root of G at which F certainly has none is stepped over: all along some stretch that
  * holds it.
  *
+ * ROWS.  Up to AHEAD_ROWS rays are looked along at once.  Each question (a look, the bounds over a stretch,
+ * the tail, the start) is put for all of them, by loops that become vector code.  What follows from the
+ * answer is each ray's own affair, and no row is read for another: a ray gets the same bits in any company.
+ * Rows that are done are asked again at the same point.  After a few steps the rays that are left are given
+ * back, to be put beside others (ray/vicinity.c).
+ *
  * ROUNDING.  Each number is off by less than 2^-43 of the sum of the magnitudes of all that it is made of,
  * as there are at most 2^9 roundings of 2^-53, and 2^-900 for underflow.  Bounds are made wider by that, and
  * the comparisons by 2^-20.  With a NaN none of them holds. */
 #include "ahead.h"
 
-#include "../../num/bits.h"
+enum { AHEAD_STEPS = 4, START_STEPS = 6, PAST_STEPS = 3 }; /* of one call: see ROWS */
 
-enum { AHEAD_STEPS = 48 };
+/* Of each ray: the point t, and the next one, h farther on; up to where the bounds hold that are in `over`,
+ * and how long that stretch was. */
+typedef struct march {
+    ahead_row t, to, h, known_to, known;
+    ahead_looks at, next;
+    ahead_overs over;
+    bool asked[AHEAD_ROWS];
+} march;
 
-/* ------------------------------------------------------------------------ polynomials */
-
-static double size_at(const ahead_poly *p, double t)
+static void take_look(ahead_looks *to, const ahead_looks *from, size_t i)
 {
-    double most = 0;
-    for (int i = p->degree; i >= 0; i--) most = most * fabs(t) + p->most[i];
-    return most;
+    to->g[i] = from->g[i], to->slope[i] = from->slope[i];
+    to->err[i] = from->err[i], to->slope_err[i] = from->slope_err[i];
 }
 
-ahead_look sgt_ahead_poly_at(const ahead_poly *p, double t)
+static void take_over(ahead_overs *to, const ahead_overs *from, size_t i)
 {
-    double g = 0, slope = 0, most = 0, steep = 0, far = fabs(t);
-    for (int i = p->degree; i >= 0; i--) {
-        slope = slope * t + g, g = g * t + p->c[i];
-        steep = steep * far + most, most = most * far + p->most[i];
-    }
-    return (ahead_look){g, slope, AHEAD_LOST * most + AHEAD_LEAST, AHEAD_LOST * steep + AHEAD_LEAST};
+    to->g_lo[i] = from->g_lo[i], to->g_hi[i] = from->g_hi[i], to->none[i] = from->none[i];
+    to->bend_lo[i] = from->bend_lo[i], to->bend_hi[i] = from->bend_hi[i];
 }
 
-sgt_interval sgt_ahead_poly_over(const ahead_poly *p, double from, double to)
+static bool any(size_t n, const bool *of)
 {
-    double a = (p->c[2] * from + p->c[1]) * from + p->c[0], b = (p->c[2] * to + p->c[1]) * to + p->c[0],
-           lo = smaller(a, b), hi = larger(a, b), turn = -0.5 * p->c[1] / p->c[2];
-    if (turn > from && turn < to) {
-        double at = (p->c[2] * turn + p->c[1]) * turn + p->c[0];
-        lo = smaller(lo, at), hi = larger(hi, at);
-    }
-    double off = AHEAD_LOST * size_at(p, larger(fabs(from), fabs(to))) + AHEAD_LEAST;
-    return (sgt_interval){lo - off, hi + off};
+    bool some = false;
+    for (size_t i = 0; i < n; i++) some = some || of[i];
+    return some;
 }
 
-ahead_poly sgt_ahead_poly_bend(const ahead_poly *p)
+/* |G''| at most. */
+static double greatest_bend(const ahead_overs *over, size_t i)
 {
-    ahead_poly b = {.degree = p->degree > 2 ? p->degree - 2 : 0};
-    for (int i = 2; i <= p->degree; i++)
-        b.c[i - 2] = i * (i - 1) * p->c[i], b.most[i - 2] = i * (i - 1) * p->most[i];
-    return b;
+    return larger(-over->bend_lo[i], over->bend_hi[i]);
 }
-
-bool sgt_ahead_poly_keeps(const ahead_poly *p, double t, double sign)
-{
-    double c[5], most[5];
-    for (int i = 0; i <= p->degree; i++) c[i] = p->c[i], most[i] = p->most[i];
-    for (int i = 0; i < p->degree; i++)
-        for (int j = p->degree - 1; j >= i; j--) c[j] += t * c[j + 1], most[j] += fabs(t) * most[j + 1];
-    for (int i = 0; i <= p->degree; i++)
-        if (!(most[i] == 0 || sign * c[i] > AHEAD_LOST * most[i] + AHEAD_LEAST)) return false;
-    return true;
-}
-
-/* -------------------------------------------------------------------------- the march */
 
 /* G at the two ends, certainly at least this far from zero; the length; s G'' and |G''| at most.  A NaN tells
  * nothing. */
@@ -111,105 +97,232 @@ static double step_guessed(double a, double fall, double most, double bend, doub
 
 /* How far behind the first of two points of unlike signs the root is, as the parabola has it that has G at
  * both and G' at the first. */
-static double root_of_ends(const ahead_look *a, const ahead_look *b, double h)
+static double root_of_ends(double a, double slope, double b, double h)
 {
-    double secant = h * (a->g / (a->g - b->g)), bend = (b->g - a->g - a->slope * h) / (h * h),
-           root = sqrt(a->slope * a->slope - 4 * bend * a->g), up = copysign(root, b->g - a->g),
-           by = -2 * a->g / (a->slope + up);
+    double secant = h * (a / (a - b)), bend = (b - a - slope * h) / (h * h),
+           root = sqrt(slope * slope - 4 * bend * a), up = copysign(root, b - a), by = -2 * a / (slope + up);
     return by > 0 && by < h ? by : secant;
 }
 
 /* G has one root between t and t + h, near t + root, where F has none.  How far behind t a stretch ends
  * that holds that root and none of F; 0: not known. */
-static double past_root(const ahead_ops *ops, const void *w, double t, double root, double h, double sign)
+static double past_root(const ahead_ops *ops, const void *w, const march *m, size_t i, double root)
 {
-    if (ops->off(w, t, t + h)) return h;
-    for (double off = 0x1p-6 * h; off > 0x1p-24 * h; off *= 0x1p-6) {
-        double from = t + larger(root - off, 0), to = t + smaller(root + off, h);
-        if (!ops->off(w, from, to)) continue;
-        ahead_look a = ops->at(w, from), b = ops->at(w, to);
-        return sign * a.g > a.err && -sign * b.g > b.err ? to - t : 0;
+    const double t = m->t[i], h = m->h[i], sign = m->at.g[i] > 0 ? 1 : -1;
+    double off = 0x1p-6 * h;
+    for (int k = 0; k < PAST_STEPS; k++, off *= 0x1p-6) {
+        ahead_row from = {0}, to = {0};
+        ahead_overs over;
+        ahead_looks a, b;
+        from[i] = t + larger(root - off, 0), to[i] = t + smaller(root + off, h);
+        ops->over(w, i, i + 1, from, to, &over);
+        if (over.none[i] == 0) continue;
+        ops->at(w, i, i + 1, from, &a), ops->at(w, i, i + 1, to, &b);
+        return sign * a.g[i] > a.err[i] && -sign * b.g[i] > b.err[i] ? to[i] - t : 0;
     }
     return 0;
 }
 
-/* THE START: the step behind it.  0: not known. */
-static double step_behind(const ahead_ops *ops, const void *w, const ahead_look *at, double length,
-                          const sgt_ahead *ahead)
+/* THE START: moves the rays that begin on the surface to behind it.  Those of which that is not known are
+ * asked no more. */
+SGT_NOINLINE
+static void leave_start(const ahead_ops *ops, const void *w, size_t n, march *m, sgt_ahead *e)
 {
-    double t = ahead->from, h = length;
-    const double slope = fabs(at->slope);
-    for (int i = 0; i < 6; i++, h *= 0.25) {
-        if (!(t + h > t && t + h < HUGE_VAL)) return 0;
-        ahead_over over = ops->over(w, t, t + h);
-        double bend = larger(-over.bend.lo, over.bend.hi), most = 0x1p-6 * slope / bend,
-               step = most < h ? most : h;
-        if (over.none || !(bend < HUGE_VAL) || (step < 0x1p-4 * h && i < 5)) continue;
-        double off = at->slope_err + bend * step, least = (slope - off) * (1 - 0x1p-20);
-        ahead_start start;
-        if (!(least > 0 && ops->start(w, t, ahead->f, least, &start) && start.width < step)) return 0;
-        double terms = ahead->f * start.ratio * ((slope + off) / least);
-        return terms < START_ULPS * start.terms * (1 - 0x1p-20) ? step : 0;
+    const size_t rows = ahead_rows(n);
+    bool starting[AHEAD_ROWS];
+    ahead_row h, to, least, most;
+    for (size_t i = 0; i < rows; i++) {
+        starting[i] = m->asked[i] && e->f[i] < HUGE_VAL;
+        h[i] = smaller(e->length[i], e->to[i] - m->t[i]), least[i] = most[i] = 0;
     }
-    return 0;
-}
-
-sgt_ahead_kind sgt_look_ahead(const ahead_ops *ops, const void *w, sgt_ahead *ahead)
-{
-    const double end = ahead->to;
-    double t = ahead->from, known_to = t, known = 0, h = end - t;
-    ahead_look at = ops->at(w, t);
-    ahead_over over = {{0, 0}, {0, 0}, false};
-    ahead->clear = t;
-    if (!(end > t && fabs(t) < HUGE_VAL)) return end == t ? AHEAD_NONE : AHEAD_OPEN;
-    if (ahead->f < HUGE_VAL) {
-        double step = step_behind(ops, w, &at, smaller(ahead->length, end - t), ahead);
-        if (!(step > 0)) return AHEAD_OPEN;
-        ahead->clear = t = known_to = t + step, h = end - t, at = ops->at(w, t);
-        if (!(fabs(at.g) > at.err)) return AHEAD_OPEN;
-    }
-    h *= ahead->part;
-    if (!(h < HUGE_VAL)) h = larger(4 * fabs(t - ahead->start), ahead->length);
-    for (int i = 0; i < AHEAD_STEPS; i++) {
-        const double a = fabs(at.g) - at.err, sign = at.g > 0 ? 1 : -1;
-        const bool certain = a > 0;
-        if (!(end < HUGE_VAL) && ops->tail(w, t, certain ? sign : 0)) return AHEAD_NONE;
-        double to = t + h;
-        if (!(to < end)) to = end, h = end - t;
-        if (!(to > t && h > 0x1p-36 * fabs(t) && to < 0x1p200)) return AHEAD_OPEN;
-        if (to > known_to || 4 * h <= known) over = ops->over(w, t, to), known_to = to, known = h;
-        bool moves = over.none || over.g.lo > 0 || over.g.hi < 0;
-        ahead_look next = {0, 0, HUGE_VAL, HUGE_VAL};
-        if (!(moves && to == end)) next = ops->at(w, to);
-        const double b = fabs(next.g) - next.err, greatest = larger(-over.bend.lo, over.bend.hi),
-                     most = sign > 0 ? over.bend.hi : -over.bend.lo, fall = -sign * at.slope;
-        const bool like = b > 0 && sign * next.g > 0, unlike = certain && b > 0 && sign * next.g < 0;
-        double root = unlike ? root_of_ends(&at, &next, h) : h;
-        moves = moves || (certain && like && stays_clear(a, b, h, most));
-        if (unlike && !moves && parted(a, b, h, greatest)) {
-            double past = ops->off(w, t + root, t + root) ? past_root(ops, w, t, root, h, sign) : 0;
-            if (!(past > 0)) {
-                ahead->lo = t, ahead->hi = to, ahead->seed = t + root;
-                return AHEAD_ONE;
+    if (!any(n, starting)) return;
+    for (int k = 0; k < START_STEPS && any(n, starting); k++) {
+        ahead_overs over;
+        ahead_starts start;
+        bool judged[AHEAD_ROWS] = {false};
+        for (size_t i = 0; i < rows; i++) to[i] = starting[i] ? m->t[i] + h[i] : m->t[i];
+        ops->over(w, 0, rows, m->t, to, &over);
+        for (size_t i = 0; i < n; i++) {
+            if (!starting[i]) continue;
+            const double slope = fabs(m->at.slope[i]), bend = greatest_bend(&over, i),
+                         most_step = 0x1p-6 * slope / bend, step = most_step < h[i] ? most_step : h[i],
+                         off = m->at.slope_err[i] + bend * step;
+            if (!(to[i] > m->t[i] && to[i] < HUGE_VAL)) {
+                starting[i] = m->asked[i] = false;
+            } else if (over.none[i] != 0 || !(bend < HUGE_VAL) ||
+                       (step < 0x1p-4 * h[i] && k < START_STEPS - 1)) {
+                h[i] *= 0.25;
+            } else {
+                judged[i] = true, starting[i] = false, m->h[i] = step;
+                least[i] = (slope - off) * (1 - 0x1p-20), most[i] = slope + off;
             }
-            moves = true;
-            if (past < h) to = t + past, h = past, next = ops->at(w, to);
         }
-        if (moves) {
-            const double rest = fabs(next.g) - next.err, falls = next.g > 0 ? -next.slope : next.slope,
-                         up = next.g > 0 ? over.bend.hi : -over.bend.lo;
-            ahead->clear = t = to, at = next;
-            if (!(t < end)) return AHEAD_NONE;
-            h = t < known_to ? known_to - t : 2 * h;
-            if (rest > 0 && !over.none && greatest < HUGE_VAL) h = step_guessed(rest, falls, up, greatest, h);
-        } else if (!certain || !(greatest < HUGE_VAL)) {
-            h *= 0.25;
-        } else if (unlike) {
-            h = root > 0.3 * h ? 0.8 * root : 1.3 * root;
-        } else {
-            double shorter = step_guessed(a, fall, most, greatest, h);
-            h = shorter < 0.125 * h ? 0.25 * h : shorter < 0.75 * h ? shorter : 0.5 * h;
+        if (!any(n, judged)) continue;
+        ops->start(w, 0, rows, m->t, e->f, least, &start);
+        for (size_t i = 0; i < n; i++) {
+            if (!judged[i]) continue;
+            const double terms = e->f[i] * start.ratio[i] * (most[i] / least[i]);
+            m->asked[i] = least[i] > 0 && start.width[i] < m->h[i] &&
+                          terms < START_ULPS * start.terms[i] * (1 - 0x1p-20) && m->h[i] > 0;
         }
     }
-    return AHEAD_OPEN;
+    for (size_t i = 0; i < n; i++) {
+        if (!(e->f[i] < HUGE_VAL)) continue;
+        if (starting[i]) m->asked[i] = false;
+        if (m->asked[i]) e->clear[i] = m->t[i] = m->known_to[i] = m->t[i] + m->h[i];
+    }
+    ops->at(w, 0, rows, m->t, &m->at);
+    for (size_t i = 0; i < n; i++)
+        if (e->f[i] < HUGE_VAL && !(fabs(m->at.g[i]) > m->at.err[i])) m->asked[i] = false;
+}
+
+/* Asks of the rows without an end whether anything is ahead. */
+SGT_NOINLINE
+static void ask_tails(const ahead_ops *ops, const void *w, size_t n, march *m, sgt_ahead *e)
+{
+    const size_t rows = ahead_rows(n);
+    ahead_row sign = {0}, none;
+    for (size_t i = 0; i < rows; i++) {
+        double certain = fabs(m->at.g[i]) - m->at.err[i];
+        sign[i] = certain > 0 ? copysign(1, m->at.g[i]) : 0;
+    }
+    ops->tail(w, 0, rows, m->t, sign, none);
+    for (size_t i = 0; i < n; i++)
+        if (m->asked[i] && !(e->to[i] < HUGE_VAL) && none[i] != 0)
+            m->asked[i] = false, e->kind[i] = AHEAD_NONE;
+}
+
+/* What the next point has shown of row i: nothing is met before it; or it parts one root from others, near
+ * t + *root; else h is made shorter. */
+typedef enum shown { SHORTER, MOVES, PARTED } shown;
+
+static shown next_shows(march *m, size_t i, double *root)
+{
+    const double h = m->h[i], a = fabs(m->at.g[i]) - m->at.err[i], sign = m->at.g[i] > 0 ? 1 : -1,
+                 b = fabs(m->next.g[i]) - m->next.err[i], g = m->next.g[i],
+                 greatest = greatest_bend(&m->over, i),
+                 most = sign > 0 ? m->over.bend_hi[i] : -m->over.bend_lo[i], fall = -sign * m->at.slope[i];
+    const bool certain = a > 0, like = b > 0 && sign * g > 0, unlike = certain && b > 0 && sign * g < 0;
+    if (m->over.none[i] != 0 || m->over.g_lo[i] > 0 || m->over.g_hi[i] < 0) return MOVES;
+    if (certain && like && stays_clear(a, b, h, most)) return MOVES;
+    *root = unlike ? root_of_ends(m->at.g[i], m->at.slope[i], g, h) : h;
+    if (unlike && parted(a, b, h, greatest)) return PARTED;
+    if (!certain || !(greatest < HUGE_VAL)) {
+        m->h[i] *= 0.25;
+    } else if (unlike) {
+        m->h[i] = *root > 0.3 * h ? 0.8 * *root : 1.3 * *root;
+    } else {
+        double shorter = step_guessed(a, fall, most, greatest, h);
+        m->h[i] = shorter < 0.125 * h ? 0.25 * h : shorter < 0.75 * h ? shorter : 0.5 * h;
+    }
+    return SHORTER;
+}
+
+/* Moves row i to its next point. */
+static void move_on(march *m, size_t i, sgt_ahead *e)
+{
+    const double greatest = greatest_bend(&m->over, i), rest = fabs(m->next.g[i]) - m->next.err[i],
+                 falls = m->next.g[i] > 0 ? -m->next.slope[i] : m->next.slope[i],
+                 up = m->next.g[i] > 0 ? m->over.bend_hi[i] : -m->over.bend_lo[i];
+    e->clear[i] = m->t[i] = m->to[i], take_look(&m->at, &m->next, i);
+    if (!(m->t[i] < e->to[i])) {
+        m->asked[i] = false, e->kind[i] = AHEAD_NONE;
+        return;
+    }
+    m->h[i] = m->t[i] < m->known_to[i] ? m->known_to[i] - m->t[i] : 2 * m->h[i];
+    if (rest > 0 && m->over.none[i] == 0 && greatest < HUGE_VAL)
+        m->h[i] = step_guessed(rest, falls, up, greatest, m->h[i]);
+}
+
+/* The rows that part one root: it is ahead, or moved past, if F certainly has none there. */
+SGT_NOINLINE
+static void take_parted(const ahead_ops *ops, const void *w, size_t n, const bool *found, const double *root,
+                        march *m, sgt_ahead *e)
+{
+    const size_t rows = ahead_rows(n);
+    ahead_row at = {0};
+    ahead_overs there;
+    for (size_t i = 0; i < rows; i++) at[i] = found[i] ? m->t[i] + root[i] : m->t[i];
+    ops->over(w, 0, rows, at, at, &there);
+    for (size_t i = 0; i < n; i++) {
+        if (!found[i]) continue;
+        const double past = there.none[i] != 0 ? past_root(ops, w, m, i, root[i]) : 0;
+        if (!(past > 0)) {
+            e->lo[i] = m->t[i], e->hi[i] = m->to[i], e->seed[i] = at[i];
+            m->asked[i] = false, e->kind[i] = AHEAD_ONE;
+            continue;
+        }
+        if (past < m->h[i]) {
+            m->to[i] = m->t[i] + past, m->h[i] = past;
+            ops->at(w, i, i + 1, m->to, &m->next);
+        }
+        move_on(m, i, e);
+    }
+}
+
+/* Chooses the next points, and asks what is known up to them.  Returns whether to look there. */
+static bool next_points(const ahead_ops *ops, const void *w, size_t n, march *m, sgt_ahead *e)
+{
+    const size_t rows = ahead_rows(n);
+    bool wants[AHEAD_ROWS] = {false}, looks = false;
+    for (size_t i = 0; i < rows; i++) {
+        const double t = m->t[i], end = e->to[i];
+        double h = m->h[i], to = t + h;
+        if (!m->asked[i]) {
+            m->to[i] = t;
+            continue;
+        }
+        if (!(to < end)) to = end, h = end - t;
+        m->asked[i] = to > t && h > 0x1p-36 * fabs(t) && to < 0x1p200;
+        wants[i] = m->asked[i] && (to > m->known_to[i] || 4 * h <= m->known[i]);
+        m->to[i] = m->asked[i] ? to : t, m->h[i] = h;
+    }
+    if (any(n, wants)) {
+        ahead_overs told;
+        ops->over(w, 0, rows, m->t, m->to, &told);
+        for (size_t i = 0; i < n; i++)
+            if (wants[i]) take_over(&m->over, &told, i), m->known_to[i] = m->to[i], m->known[i] = m->h[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        bool apart = m->over.none[i] != 0 || m->over.g_lo[i] > 0 || m->over.g_hi[i] < 0;
+        looks = looks || (m->asked[i] && !(apart && m->to[i] == e->to[i]));
+    }
+    return looks;
+}
+
+void sgt_look_ahead(const ahead_ops *ops, const void *w, size_t n, double part, sgt_ahead *e)
+{
+    const size_t rows = ahead_rows(n);
+    march m;
+    for (size_t i = 0; i < rows; i++) {
+        const double t = e->from[i], end = e->to[i];
+        m.t[i] = m.to[i] = m.known_to[i] = t, m.known[i] = m.h[i] = 0;
+        m.over.g_lo[i] = m.over.g_hi[i] = m.over.none[i] = m.over.bend_lo[i] = m.over.bend_hi[i] = 0;
+        m.asked[i] = i < n && end > t && fabs(t) < HUGE_VAL;
+        e->clear[i] = t, e->kind[i] = end == t ? AHEAD_NONE : AHEAD_OPEN;
+    }
+    if (!any(n, m.asked)) return;
+    ops->at(w, 0, rows, m.t, &m.at);
+    leave_start(ops, w, n, &m, e);
+    m.next = m.at;
+    for (size_t i = 0; i < n; i++) {
+        m.h[i] = e->step[i] > 0 ? e->step[i] : part * (e->to[i] - m.t[i]);
+        if (!(m.h[i] < HUGE_VAL)) m.h[i] = larger(4 * fabs(m.t[i] - e->start[i]), e->length[i]);
+    }
+    for (int k = 0; k < AHEAD_STEPS && any(n, m.asked); k++) {
+        bool found[AHEAD_ROWS] = {false}, endless = false;
+        ahead_row root;
+        for (size_t i = 0; i < n; i++) endless = endless || (m.asked[i] && !(e->to[i] < HUGE_VAL));
+        if (endless) ask_tails(ops, w, n, &m, e);
+        if (next_points(ops, w, n, &m, e)) ops->at(w, 0, rows, m.to, &m.next);
+        for (size_t i = 0; i < n; i++) {
+            if (!m.asked[i]) continue;
+            shown is = next_shows(&m, i, &root[i]);
+            if (is == MOVES) move_on(&m, i, e);
+            found[i] = is == PARTED;
+        }
+        if (any(n, found)) take_parted(ops, w, n, found, root, &m, e);
+    }
+    for (size_t i = 0; i < n; i++)
+        if (m.asked[i]) e->kind[i] = AHEAD_MORE, e->step[i] = m.h[i];
 }

@@ -140,7 +140,7 @@ typedef struct departure {
 
     /* `ahead` of sgt_builtin_ops, of the sag without a rim and without a base of its own.  NULL: nothing is
      * known. */
-    sgt_ahead_kind (*ahead)(const struct departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
+    void (*ahead)(const struct departure_sag *s, size_t n, sgt_ahead *ahead);
 
     /* May P jump where it is defined?  NULL: it does not. */
     bool (*jumps)(const void *self);
@@ -228,9 +228,9 @@ void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_
 sgt_objection sgt_departure_object(const departure_sag *s);
 
 /* Of one type each (biconic_ahead.c, grid_ahead.c, toroidal_ahead.c). */
-sgt_ahead_kind sgt_biconic_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
-sgt_ahead_kind sgt_grid_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
-sgt_ahead_kind sgt_toroidal_ahead(const departure_sag *s, const sgt_ray *ray, sgt_ahead *ahead);
+void sgt_biconic_ahead(const departure_sag *s, size_t n, sgt_ahead *ahead);
+void sgt_grid_ahead(const departure_sag *s, size_t n, sgt_ahead *ahead);
+void sgt_toroidal_ahead(const departure_sag *s, size_t n, sgt_ahead *ahead);
 
 /* Helper for `object`: are all n numbers finite?  Asked for each ray that comes alone. */
 SGT_INLINE bool numbers_finite(size_t n, const double *x)
@@ -301,8 +301,9 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     DEPARTURE_OF(NAME, double NAME##_ops_tail(const void *self, double radius),                              \
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
-                 sgt_ahead_kind NAME##_ops_ahead(const void *self, const sgt_ray *ray, sgt_ahead *ahead),    \
-                 return looks_ahead(&v) ? v.of->ahead(&v, ray, ahead) : AHEAD_OPEN)                      \
+                 void NAME##_ops_ahead(const void *self, size_t n, sgt_ahead *ahead),                        \
+                 for (int i = 0; i < AHEAD_ROWS; i++) ahead->kind[i] = AHEAD_OPEN;                           \
+                 if (looks_ahead(&v)) v.of->ahead(&v, n, ahead))                                             \
     DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
                                            double e1[]),                                                     \

@@ -157,14 +157,15 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
 }
 
 /* P'(rho), with P'' in *second and P in *sum, for P = sum of a[i] rho^(i+1). */
-static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_interval *sum,
+static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, bool slopes, sgt_interval *sum,
                                 sgt_interval *second)
 {
     sgt_interval h = {0, 0}, dh = {0, 0}, ddh = {0, 0};
     for (int i = toroidal_terms_of(a) - 1; i >= 0; i--) {
         sgt_interval of = sgt_interval_of(a->a[i]), first = sgt_interval_scaled(of, i + 1);
-        if (i > 0) ddh = sgt_interval_sum(sgt_interval_product(ddh, rho), sgt_interval_scaled(first, i));
-        dh = sgt_interval_sum(sgt_interval_product(dh, rho), first);
+        if (slopes && i > 0)
+            ddh = sgt_interval_sum(sgt_interval_product(ddh, rho), sgt_interval_scaled(first, i));
+        if (slopes) dh = sgt_interval_sum(sgt_interval_product(dh, rho), first);
         h = sgt_interval_sum(sgt_interval_product(h, rho), of);
     }
     *sum = sgt_interval_product(h, rho), *second = ddh;
@@ -178,6 +179,7 @@ typedef struct toroidal_slice {
     double q_most, m_least;
     bounds most;
     sgt_by_axis axis;
+    bool heights; /* no more than s is wanted */
 } toroidal_slice;
 
 static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
@@ -187,7 +189,8 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     sgt_interval phi2 = sgt_interval_difference(
         one, sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(v)));
     if (phi2.hi < 0) return 0;
-    sgt_interval phi = sgt_interval_square_root(phi2), p, ddp, dp = powers_over(a, rho, &p, &ddp);
+    sgt_interval phi = sgt_interval_square_root(phi2), p, ddp,
+                 dp = powers_over(a, rho, !at->heights, &p, &ddp);
     sgt_interval z = sgt_interval_sum(
         sgt_interval_quotient(sgt_interval_product(v, at->y), sgt_interval_sum(one, phi)), p);
     sgt_interval q = sgt_interval_difference(one, sgt_interval_product(c_x, z)),
@@ -202,6 +205,7 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     sgt_interval m = sgt_interval_square_root(sgt_interval_product(near, far)), sum = sgt_interval_sum(q, m);
     sgt_interval e = sgt_interval_quotient(sgt_interval_product(c_x, sgt_interval_square(at->x)), sum);
     at->s = sgt_interval_sum(z, e), at->m_least = whole ? m.lo : 0;
+    if (at->heights) return whole ? 1 : -1;
     /* where it may be undefined, size is infinite: no graze is told by it */
     at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
     at->axis = (sgt_by_axis)SGT_NO_AXES;
@@ -438,11 +442,14 @@ static void toroidal_noise_in_box(const void *self, double x, double y, double e
 
 SGT_NARROW(sgt_interval, sgt_toroidal_range, (const void *self, const region *where))
 {
-    bounds most;
-    sgt_by_axis axis;
-    sgt_interval range;
-    double q, m;
-    if (!sliced(self, where, 1, &most, &axis, &range, &q, &m)) return sgt_interval_empty();
+    const double r2 = sgt_product_above(where->r_hi, where->r_hi);
+    toroidal_slice at = {.x = sgt_interval_absolute(where->x), .y = sgt_interval_absolute(where->y),
+                         .heights = true};
+    const double x2 = sgt_sum_above(r2, -sgt_interval_square(at.y).lo); /* as in `sliced` */
+    if (!(x2 >= 0)) return sgt_interval_empty();
+    at.x = sgt_interval_intersection(at.x, sgt_interval_between(0, sgt_square_root_above(x2)));
+    if (sgt_interval_is_empty(at.x) || !slice_bounds(self, &at)) return sgt_interval_empty();
+    sgt_interval range = at.s;
     /* q - c_x e = m >= 0, so c_x s is at most 1: there the sweep turns back. */
     double c_x = ((const sgt_toroidal *)self)->c_x;
     sgt_interval back = sgt_interval_quotient(sgt_interval_of(1), sgt_interval_of(c_x));
