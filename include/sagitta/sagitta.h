@@ -660,7 +660,9 @@ typedef struct sgt_crossing {
  * THE SIDE.  1 and -1 are certain where the status is (sgt_intersect).  From a start
  * inside the rim, F has that sign along the ray up to the hit; of a miss, as long as the
  * ray is inside the rim.  So read inside or outside from the sign; do not count
- * crossings.  On a user's surface without `rounding`, F is trusted as computed.
+ * crossings.  On a user's surface without `rounding`, F is trusted as computed.  Your
+ * p_err is trusted too: of a start farther off the surface that misses, the side may be
+ * the one that a start on the surface would have.
  *
  * A MARCH by steps (a user's surface without `enclose`) may skip roots.  If the slopes at
  * start and hit say that an odd number was skipped, the hit is UNPROVEN (t_tol 0).  An

@@ -198,8 +198,9 @@ static void biconic_way_start(const void *self, size_t first, size_t n, const do
                            z = ahead_about(at, fabs(e->d[2][i]) * width);
         const double low = sqrt(larger(D.lo, 0)) * (1 - 0x1p-40),
                      high = sqrt(larger(D.hi, 0)) * (1 + 0x1p-40);
-        const mask known = MASK(in > 0x1p-10) & MASK(size > 0) & MASK(D.lo > 0x1p-12) & MASK(z.lo > 0);
-        out->width[i] = chosen(known, width, (double)NAN);
+        /* of four conditions at once gcc makes branches */
+        const mask within = MASK(D.lo > 0x1p-12) & MASK(z.lo > 0), begins = MASK(in > 0x1p-10) & MASK(size > 0);
+        out->width[i] = chosen(begins, chosen(within, width, (double)NAN), (double)NAN);
         out->ratio[i] = K / (2 * z.lo * low * (1 + low));
         out->terms[i] = z.lo + least_term(cx, A, at, phi, z, low, high, e->o[0][i], e->d[0][i], t[i], width) +
                         least_term(cy, B, at, phi, z, low, high, e->o[1][i], e->d[1][i], t[i], width);
