@@ -329,9 +329,9 @@ static void seed_starts(lanes *a, const sgt_rays *r, size_t n)
     const double *ox = r->o[0], *oy = r->o[1], *oz = r->o[2], *dx = r->d[0], *dy = r->d[1], *dz = r->d[2];
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        double least = a->least[i], steep = 0.25 * fabs(dz[i]) * scale_of((sgt_vec3){dx[i], dy[i], dz[i]});
-        mask starts =
-            starts_at_root((sgt_vec3){ox[i], oy[i], oz[i]}, a->tmin[i], a->seed[i], a->lo[i], a->hi[i]);
+        const sgt_vec3 d = {dx[i], dy[i], dz[i]};
+        double least = a->least[i], steep = 0.25 * fabs(d.z) * scale_of(d);
+        mask starts = starts_at_root((sgt_vec3){ox[i], oy[i], oz[i]}, d, a->tmin[i], a->seed[i]);
         a->seed[i] = chosen(starts & MASK(least > 0) & MASK(least >= steep), 0, a->seed[i]);
     }
 }

@@ -107,11 +107,12 @@ SGT_INLINE bool starts_weakly(sgt_vec3 o, sgt_vec3 d, double tmin, double least)
 }
 
 /* Is the start a better seed than this one, for a ray with one root at most?  It is that root, mostly, if the
- * ray starts low, and the seed is next to it. */
-SGT_INLINE mask starts_at_root(sgt_vec3 o, double tmin, double seed, double lo, double hi)
+ * ray starts low, and so near the seed that the departure may be what is between them. */
+SGT_INLINE mask starts_at_root(sgt_vec3 o, sgt_vec3 d, double tmin, double seed)
 {
-    return MASK(tmin == 0) & MASK(fabs(o.z) <= 0.5 * (fabs(o.x) + fabs(o.y))) & /* as starts_low */
-           MASK(fabs(seed) < 0x1p-5 * (hi - lo));
+    const double low = fabs(o.x) + fabs(o.y); /* as in starts_low */
+    return MASK(tmin == 0) & MASK(fabs(o.z) <= 0.5 * low) &
+           MASK(fabs(seed) * (fabs(d.x) + fabs(d.y) + fabs(d.z)) < 0x1p-6 * low);
 }
 
 /* Marches along the chord of each row that is asked, within [v->lo, v->hi], and answers in v, as above.  A

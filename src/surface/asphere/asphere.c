@@ -838,8 +838,17 @@ SGT_NOINLINE static bool is_single(const sgt_even_asphere *s, int terms, const s
     return wavy_single(&v, ray->d.x, ray->d.y, ray->d.z) != 0;
 }
 
+static sgt_hit meet_few_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
 static sgt_hit meet_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
 static sgt_hit prove_by_rounds(const sgt_even_asphere *, int, const sgt_ray *, const sgt_options *);
+
+SGT_INLINE sgt_hit by_rounds(const sgt_even_asphere *s, int most, bool proof, int terms, const sgt_ray *ray,
+                             const sgt_options *opt)
+{
+    return (proof                ? prove_by_rounds
+            : most <= FEW_TERMS ? meet_few_by_rounds
+                                : meet_by_rounds)(s, terms, ray, opt);
+}
 
 /* The easy form, with a number of terms that the compiler knows: those that are 0 change no bit.  There is no
  * watcher, and the budget suffices.  The ray has not been checked, but its direction is usual.  One that is
@@ -855,6 +864,7 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     const bool first = opt->pick != SGT_NEAR_SEED;
     const double l = ray->d.x, m = ray->d.y, n = ray->d.z, t_tol = opt->t_tol;
     wavy own, *s = &own;
+    if (!rounds && h.c == 0) return by_rounds(self, most, proof, terms, ray, opt);
     if (!rim_in_range(h.rim2) || !wavy_of(&h, proof, s))
         return sgt_asphere_first(self, terms, NULL, ray, opt);
     s->single = single_at_most(&h);
@@ -862,6 +872,7 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     wavy_constants(&h, s);
     if (first && ((!proof && wavy_along(ray)) || wavy_hopeless(s, ray)))
         return sgt_asphere_first(self, terms, NULL, ray, opt);
+    if (!rounds && !(s->disc > 0)) return by_rounds(self, most, proof, terms, ray, opt);
     double g, slope;
     const vertex_place vertex = to_vertex_plane(ray);
     const wavy_start r = wavy_begin(s, most, &vertex, ray, &g, &slope);
@@ -874,7 +885,7 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
         q = wavy_bound_first(s, most, &r, &half, ray), q.again = 0;
         inverse = half.inverse, evals = 3;
         if (!(q.tau_err == q.tau_err))
-            return (proof ? prove_by_rounds : meet_by_rounds)(self, terms, ray, opt);
+            return by_rounds(self, most, proof, terms, ray, opt);
     }
     if (rounds && s->disc == STRONG) q.tau = wavy_strong(s, most, r.x, r.y, r.tau, ray), evals += 2;
     for (int i = 0; i < ROUNDS && q.again; i++) {
@@ -898,7 +909,8 @@ SGT_INLINE sgt_hit asphere_easily(const sgt_even_asphere *self, int terms, int m
     return hit_of_lane(&e, evals + 1, asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz}));
 }
 
-/* rounds: all of them.  Else the first one by constants; if that has no answer, it begins anew. */
+/* rounds: all of them.  Else the first one by constants; if there are none, or that has no answer, it begins
+ * anew. */
 #define MEETS(NAME, MOST, PROOF, EACH)                                                                     \
     SGT_NOINLINE static sgt_hit NAME(const sgt_even_asphere *s, int terms, const sgt_ray *ray,             \
                                      const sgt_options *opt)                                               \
@@ -909,6 +921,7 @@ MEETS(meet_few, FEW_TERMS, false, false)
 MEETS(meet_all, ALL_TERMS, false, false)
 MEETS(prove_few, FEW_TERMS, true, false)
 MEETS(prove_all, ALL_TERMS, true, false)
+MEETS(meet_few_by_rounds, FEW_TERMS, false, true)
 MEETS(meet_by_rounds, ALL_TERMS, false, true)
 MEETS(prove_by_rounds, ALL_TERMS, true, true)
 
