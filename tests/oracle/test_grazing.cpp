@@ -132,7 +132,7 @@ void batch(generator &g)
                    plain = {again, nullptr, nullptr, nullptr, nullptr, {}, {}, nullptr, {}};
     sgt_intersect_batch(of, N, all, to, &opt);
     sgt_intersect_batch(of, N, all, plain, &opt);
-    for (int i = 0; i < N; i++) {
+    for (std::size_t i = 0; i < std::size_t{N}; i++) {
         const sgt_hit h = sgt_intersect(of, rays[i], &opt);
         const double one[10] = {h.t, h.t_err, h.t_lo, h.p.x, h.p.y, h.p.z, h.n.x, h.n.y, h.n.z, h.p_err};
         bool alike = status[i] == h.status && again[i] == h.status && evals[i] == h.evals;

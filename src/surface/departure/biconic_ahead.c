@@ -199,7 +199,8 @@ static void biconic_way_start(const void *self, size_t first, size_t n, const do
         const double low = sqrt(larger(D.lo, 0)) * (1 - 0x1p-40),
                      high = sqrt(larger(D.hi, 0)) * (1 + 0x1p-40);
         /* of four conditions at once gcc makes branches */
-        const mask within = MASK(D.lo > 0x1p-12) & MASK(z.lo > 0), begins = MASK(in > 0x1p-10) & MASK(size > 0);
+        const mask within = MASK(D.lo > 0x1p-12) & MASK(z.lo > 0),
+                   begins = MASK(in > 0x1p-10) & MASK(size > 0);
         out->width[i] = chosen(begins, chosen(within, width, (double)NAN), (double)NAN);
         out->ratio[i] = K / (2 * z.lo * low * (1 + low));
         out->terms[i] = z.lo + least_term(cx, A, at, phi, z, low, high, e->o[0][i], e->d[0][i], t[i], width) +
