@@ -645,8 +645,8 @@ typedef struct sgt_start {
 
 /* The next crossing. */
 typedef struct sgt_crossing {
-    sgt_hit hit;   /* as sgt_intersect gives it of `ray`.  Of an even asphere t, the point
-                      and evals may be others, each as certain */
+    sgt_hit hit;   /* as sgt_intersect gives it of `ray`.  Of an even asphere the numbers may
+                      differ by what t_err allows, and evals too */
     sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0.  If rounding hides
                       the root at o, tmin is somewhat more; no other root is before it */
     int     side;  /* 1 or -1: the sign of F between the start and hit.t; of a miss, right

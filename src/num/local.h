@@ -4,9 +4,9 @@
  * THE DIRECTION is scaled by a power of two, so that its largest component lies in [1, 2).  t_ray = t *
  * scale, exactly.
  *
- * THE ORIGIN is moved to a point t0 of the ray near the surface.  t0 n and o + t0 l are split by
- * error-free products and sums.  So the new origin is right to a relative u in each coordinate, however
- * far the old one was: a ray from 1e12 away is as good as one from nearby.
+ * THE ORIGIN is moved to a point t0 of the ray near the surface, by error-free products and sums or by one
+ * fma.  So the new origin is right to a relative u in each coordinate, however far the old one was: a ray
+ * from 1e12 away is as good as one from nearby.
  *
  * WHERE TO depends on the caller:
  *

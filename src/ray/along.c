@@ -4,7 +4,8 @@
  * Along a ray P is a polynomial of one variable, whose degree n the type knows.  So some n + 1 values of P
  * say everything about it, all the way to where the base ends or beyond all bounds (along_terms.c: its
  * coefficients c_k, and the size E of what they are off by).  What is left is a question about one
- * polynomial, which takes no further look.
+ * polynomial, which takes no further look.  p is the polynomial that stands for P, N = n + 1 the number of
+ * its values, and a size the greatest value at a unit vector (along_terms.c).
  *
  * THE LINE.  Let x and y be w (l, m) / sqrt(l^2 + m^2) from the point nearest the axis, z = z0 + g w, w = W
  * v. W is at least 1.02 times the ray's distance from the axis, so that r <= W sqrt(1 + v^2).

@@ -7,7 +7,7 @@
 
 #include "along.h"
 
-/* At least half of the greatest number of nodes; rays at a time. */
+/* At least half of the greatest number of nodes; that number; rays at a time. */
 enum { ALONG_HALF = 20, ALONG_MOST = 2 * ALONG_HALF, WIDE = ALONG_ROWS };
 
 /* (Loops of eight and four lanes are no kernels of exact.h: four do not fill the widest registers.) */

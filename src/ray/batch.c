@@ -24,7 +24,7 @@
 
 #include <string.h>
 
-enum { FEW_LEFT = 3 };
+enum { FEW_LEFT = 3 }; /* from so many rays on lanes cost less than single rays */
 
 /* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
  * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
@@ -95,7 +95,7 @@ static size_t runs_of(sgt_surface s, const sgt_tile *tile, const sgt_options *op
 static size_t by_closed_form(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const size_t hard = s.ops->own_->easy(s.self, tile, opt->pick == SGT_NEAR_SEED);
-    return hard > FEW_LEFT ? runs_of(s, tile, opt, hard, SGT_HARD, FEW_LEFT) : hard;
+    return hard >= FEW_LEFT ? runs_of(s, tile, opt, hard, SGT_HARD, FEW_LEFT) : hard;
 }
 
 /* The first root, by cells. */

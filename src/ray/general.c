@@ -316,7 +316,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     const bool low = span.single && !near && starts_low(ray->o, ray->tmin) && w.rim2 < HUGE_VAL &&
                      is_catalogue(s.ops) && s.ops->own_->extent_within && marches_chord(&w.shared),
                weak = low && starts_weakly(ray->o, ray->d, ray->tmin, w.least);
-    if (low && !weak && !all && starts_at_root(ray->o, ray->d, ray->tmin, span.seed)) span.seed = 0;
+    if (low && w.least > 0 && !weak && !all && starts_at_root(ray->o, ray->d, ray->tmin, span.seed))
+        span.seed = 0;
     double clear = -HUGE_VAL;
     if (!all && (!span.single || weak) && root_nearby(&w, &span, near, kept, &clear))
         return w.told.evals - w.told.before;

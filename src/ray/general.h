@@ -22,7 +22,7 @@ SGT_INLINE bool parameters_valid(sgt_surface s)
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
 }
 
-/* Is a closed form asked first?  Then for single rays and batches both. */
+/* Is a closed form asked first?  Single rays and batches both ask this, so they agree. */
 SGT_INLINE bool easy_offered(sgt_surface s, const sgt_options *opt)
 {
     return s.ops && is_catalogue(s.ops) && s.ops->own_->easy && opt->proof == SGT_ESTIMATE;

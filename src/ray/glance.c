@@ -32,7 +32,8 @@
  * these conditions, each of a part in 2^20 for the few roundings that they are made of.  Bounds hold as far
  * as r = radius (1 + 2^-20); r^2 is convex, so they hold between two points within that.
  *
- * A ray that starts low, with its seed next to the start, leaves the surface as a rule.  It is not looked at.
+ * A ray that starts low, with its seed next to the start, leaves the surface as a rule.  It is not looked at,
+ * unless takeoff.c has moved its beginning off the start.
  *
  * Each row is by itself, whatever its neighbours do. */
 #include "glance.h"

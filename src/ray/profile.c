@@ -15,16 +15,16 @@
  *
  * CLEAR.  Let |F| be at least A and B at the ends of a piece of length h, with one sign, and its second
  * derivative at most K on that side.  No root is between them if h sqrt(K / 2) < sqrt A + sqrt B (wings.c).
- * The square of the right side is at least max(A, B) + 3 min(A, B): no root is taken of what has an odd power
- * of a length.  All rings that a ray passes are asked in lanes.  Those that are left are asked one by one, in
- * the order of the way: a piece is clear, too, if F' has one sign in it.
+ * (sqrt A + sqrt B)^2 is at least max(A, B) + 3 min(A, B), so no square root is needed.  The rings that a
+ * ray passes are asked in lanes.  What is left is asked piece by piece, in the order of the way.  There a
+ * piece is also clear if F' has one sign in it.
  *
  * THE ROOT.  A piece that has unlike signs at its ends, and in which F' keeps its sign, has one root.  F' is
  * at least what its range says, and at least (A + B) / h - K h / 2, K >= |F''| (wings.c, THE ROOT).  The
  * piece is reported, and where a parabola in q has the root.
  *
- * Else F is asked in the middle of the piece, and the halves are looked at in turn.  A piece that says
- * nothing after some of that ends the look: it is clear up to there.
+ * Else F is asked in the middle of the piece, and its halves are looked at in turn.  After PROFILE_LOOKS of
+ * these the look ends: the ray is clear as far as it was shown.
  *
  * THE TABLE.  P is a polynomial of degree n in x = r^2 / norm^2, times (1 - c^2 r^2)^(-1/2) of a q_bfs, or in
  * r.
@@ -339,12 +339,12 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
     double step = 1.2 / degree;
     while (lay_nodes(e, last, step) > PROFILE_NODES) step *= 1.25;
     const size_t end = end_of(e);
-    for (size_t j = e->nodes; j < end; j++) e->q[j] = e->q[e->nodes - 1];
+    for (size_t j = e->nodes; j <= end; j++) e->q[j] = e->q[e->nodes - 1];
     for (size_t j = 0; j < e->nodes; j++) {
         sag_at at = profile_sag(e, e->q[j], OFF_NODE);
         e->sag[j] = at.s, e->off[j] = at.off;
     }
-    for (size_t j = e->nodes; j < end; j++)
+    for (size_t j = e->nodes; j <= end; j++)
         e->sag[j] = e->sag[e->nodes - 1], e->off[j] = e->off[e->nodes - 1];
     if (e->core) {
         sgt_extent within = SGT_NO_EXTENT;
@@ -454,7 +454,7 @@ static double pass_rings(const sgt_profile_table *table, const passage *e, size_
     return left;
 }
 
-/* The rays about their nearest points, and F where they begin. */
+/* The rays about their nearest points. */
 SGT_KERNEL
 static void lay_courses(const sgt_profile_table *table, size_t n, courses *e)
 {
@@ -659,6 +659,7 @@ static bool follow(const sgt_profile_table *table, const passage *e, way *w)
     size_t at = w->outside ? last : e->begins, low = first + 1;
     const double sign = start.sign;
     if (w->from < -nearest) {
+        if (at < first + 1) at = first + 1; /* r^2 at the start may round into the ring before its own */
         if (!w->outside && !pass_piece(table, e, at, start, node(table, e, at, -1), w)) return false;
         if (first + 1 < at && !pass_side(table, e, first + 1, at, -1, sign, w)) return false;
         start = node(table, e, first + 1, -1), at = first;

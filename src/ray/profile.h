@@ -14,14 +14,15 @@
  *
  *     sag, off               at the node, and how far F may be off there by all that is rounded, but for z
  *     slope, bend            of the ring: what the first and the second derivative by q lie in
- *     core                   is the first ring known by these alone: `steep`, a bound on |ds/dr|, and `bent`,
- *                            what the second derivative in any direction lies in
+ *     core                   the first ring has no range of derivatives by q.  Known of it instead: `steep`,
+ *                            a bound on |ds/dr|, and `bent`, what the second derivative in any direction
+ *                            lies in
  *     edge, low, high        where the base ends (r^2; infinite: nowhere), and what the sag lies in from the
  *                            last node to there
  *
- * Nodes behind the last repeat it. */
+ * Nodes behind the last repeat it, up to the end of its block and one more. */
 enum { PROFILE_NODES = 64 };
-typedef double profile_row[PROFILE_NODES];
+typedef double profile_row[PROFILE_NODES + 1];
 typedef struct sgt_profile_table {
     sgt_profile of;
     double c, k1, steep, edge, low, high;

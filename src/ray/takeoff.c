@@ -26,11 +26,11 @@
  * AGAIN.  The other rays are left to glance.c, which begins at h, with the seed where that parabola has the
  * root.
  *
- * NEAR THE AXIS the terms vanish, and one bound on the rounding for the whole rim is a wide one.  There the
- * surface is asked for its rounding at the very start; and if that is not enough, whether an enclosure of F
- * at the start hides its root, as in wings.c (HIDDEN): a search by cells drops a root at t if t is at most
- * t_err and the reach, and F computed at the start is at most an eighth of what that makes t_err, and half of
- * the reach.
+ * NEAR THE AXIS the terms vanish, and one bound on rounding for the whole rim is too wide.  There the surface
+ * is asked for the rounding at the start itself.  If that is not enough, an enclosure of F at the start may
+ * hide the root, as in wings.c (HIDDEN).  A search by cells drops a root at t if t is at most t_err and the
+ * reach.  It does so if F computed there is at most an eighth of the width that makes t_err, and half of the
+ * reach.
  *
  * ROUNDING.  As in glance.c.  h is far greater than the rounding of t: the start is t = 0.
  *
@@ -156,8 +156,9 @@ static void takeoff_first(rows w, size_t n, double R)
     }
 }
 
-/* What is known of a ray after the look at h: where the chord ends, the bounds on G'', |F| and its error, |F|
- * at most at the start, the reach of the rule times a slope, and G' at both as computed. */
+/* What is known of a ray after the look behind the start: h, where that was; to, where the chord or the ray
+ * ends; lo, hi, the bounds on G''; size and err, |F| there and its error; before, |F| at the start at most;
+ * reach, that of the rule times a slope; s0, s1, G' at both as computed. */
 typedef struct takeoff { double h, to, lo, hi, size, err, before, reach, s0, s1; } takeoff;
 
 /* Where a parabola through the start is 0 again; infinite: it is not. */
@@ -246,7 +247,7 @@ static sgt_ray takeoff_ray(const sgt_rays *r, const vicinity *v, size_t i)
         {r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, v->tmin[i], v->tmax[i]};
 }
 
-/* What is known of row k, as takeoff_second has it. */
+/* What is known of row k, but for err and before, which are 0; reach is the whole one. */
 static takeoff takeoff_of(rows w, size_t k)
 {
     bool rises = w[F1][k] > 0;

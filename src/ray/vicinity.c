@@ -137,7 +137,7 @@ SGT_INLINE bool has_profile(sgt_surface s)
     return of && of->profile;
 }
 
-/* Next to r alone: of a sag whose high powers make a rung ten times as noisy at its far end. */
+/* The noise within 2^-8 beyond r.  For a sag of high powers that is a tenth of what a whole rung has. */
 SGT_NOINLINE
 static void noise_next_to(sgt_surface s, double r, size_t i, const vicinity *v)
 {
@@ -657,8 +657,8 @@ typedef struct ahead_state {
     double *from, *seen, *at, *step;
 } ahead_state;
 
-/* Asks of n rows of `of` what is ahead.  A row that is free holds the first ray, too.  Those that are to be
- * asked again are put into `again`, with `at` and `step` set; returns how many. */
+/* Asks of n rows of `of` what is ahead.  Rows that are left over repeat the first ray.  Those that are to
+ * be asked again are put into `again`, with `at` and `step` set; returns how many. */
 static size_t look_some(sgt_surface s, const sgt_rays *r, const unsigned char *of, size_t n,
                         const vicinity *v, ahead_state a, unsigned char *again)
 {
@@ -761,8 +761,9 @@ static void noises_of_marched(sgt_surface s, size_t n, const sgt_rays *r, bool p
         if (!(marched && v->asked[i] == 0 && v->lo[i] <= v->hi[i]) || seen[i] >= SEEN_AHEAD) continue;
         double off = radius_at(r->o[0][i], r->o[1][i], r->d[0][i], r->d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * off, FINE), i, kept, v);
-        /* Far out a bound for the whole rung may be 10^7 times that at the root.  That one costs as much as
-         * two looks, and is asked for where t would be known to less than 2^-40 of it. */
+        /* Far out a bound for the whole rung may be 10^7 times that at the root.  Where t would then be known
+         * to less than 2^-40 of it, more is asked: of a profile the noise next to r; if that is too much, the
+         * noise at the point, which costs two looks. */
         const sgt_vec3 d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         const double enough = 0x1p-40 * v->least[i] * fabs(v->seed[i]) * inverse_of_scale(d);
         if (profiled && v->noise[0][i] + v->noise[1][i] * (off * off) > enough) noise_next_to(s, off, i, v);
@@ -846,8 +847,8 @@ static void vicinity_of_rows(sgt_surface s, size_t n, sgt_rays r, slopes_known *
         }
         left = vicinity_judge(n, &r, v, w.from, lo, hi, least);
         if (left == 0 || k == 1 || boxes) break; /* a box says as much as a smaller circle */
-        /* nor does it where the ray starts on the surface; where that is steep all over the circle; or beyond
-         * its edge */
+        /* A smaller circle says no more where the ray starts on the surface, where the surface is steep all
+         * over the circle, or where the smaller one reaches beyond its edge. */
         for (size_t i = 0; i < n; i++) {
             const double wide = w.wide[i], edge2 = w.radius2[i], fine = rung_above(w.radius[i], FINE);
             const bool starts = leaving && before[i] > 0 && least[i] == 0,

@@ -94,7 +94,7 @@
  *
  * ALONG.  A departure that is a polynomial along the ray is looked at as a whole first (along.c): from where
  * the march would begin, and from where it has left a start.  What that leaves open is marched along from
- * where it has come to.  Of sags of r alone a table of the profile says it (profile.c).
+ * where it has come to.  A sag of r alone is answered by a table of its profile (profile.c).
  *
  * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
  * max_evals leaves the rest to the search through enclosures, which begins anew. */
@@ -349,7 +349,7 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < places; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* The rungs of two octaves or, of few, of one have a place each. */
+    /* The rungs of two octaves have a place each; of few places, those of seven eighths of one. */
     ring *e = &kept->of[place_of(rung, FINER, places)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, SGT_ANY_NUMBER, {(double)NAN, (double)NAN}};

@@ -51,8 +51,8 @@ SGT_INLINE int place_of(double rung, int digits, int places)
     return (int)((bits >> digits) % (unsigned)places);
 }
 
-/* Is the profile asked of this row before all else?  It leaves the surface, or, if that is asked, begins
- * sixteen times as far from the axis as its seed is. */
+/* Is the profile asked of this row first?  It is if the ray leaves the surface, and, if `far` is set, if it
+ * begins sixteen times as far from the axis as its seed is. */
 SGT_INLINE bool sgt_early(const sgt_rays *r, const vicinity *v, const double *from, bool far, size_t i)
 {
     double t = v->seed[i], x = r->o[0][i] + t * r->d[0][i], y = r->o[1][i] + t * r->d[1][i],
@@ -62,7 +62,8 @@ SGT_INLINE bool sgt_early(const sgt_rays *r, const vicinity *v, const double *fr
     return (v->asked[i] > 0) & (leaves | (afar & far));
 }
 
-/* Asks the profile of these rows, from `from` on, which moves to where nothing is met before. */
+/* Asks the profile of the rows that are sgt_early, from `from` on.  Moves `from` to a t before which nothing
+ * is met. */
 void sgt_begin_by_profile(sgt_surface s, size_t n, const sgt_rays *r, double *from, vicinities *kept,
                           const vicinity *v);
 

@@ -446,7 +446,7 @@ static mask asphere_near_rays(const wavy *self, bool last, const sgt_tile *tile,
     _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++)
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
-        const wavy_newton h = {.tau2 = room->tau2[i], .step2 = room->step2[i]};
+        const wavy_newton h = {.tau2 = room->tau2[i], .step2 = room->step2[i], .tau1 = room->from[i]};
         const mask had = room->again[i],
                    next = ~had & more & wavy_nears(s, room->x[i], room->y[i], &h, room->tau[i], &ray);
         room->next[i] = next, room->again[i] = had | next | ~MASK(room->from[i] == room->from[i]);

@@ -265,7 +265,7 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, const vertex_place *a
 
 /* The first half of a round: Newton's step from tau_1 to tau_2.  It keeps the inverse of the slope,
  * dw/dtau, and slant = |x l| + |y m|.  g and slope are for a watcher. */
-typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
+typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope, tau1; } wavy_newton;
 
 SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1,
                                  const sgt_ray *ray)
@@ -276,7 +276,7 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
     double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
     double g = wavy_g(s, rho, tau1 * n, h, &w, &ckw), dw = sgt_fma(-(dp + dp), half, n);
     double slope = sgt_fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step2 = g * inverse;
-    return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope};
+    return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope, tau1};
 }
 
 /* STRONG TERMS: the start after two more steps, if they lead anywhere. */
@@ -377,13 +377,14 @@ SGT_INLINE wavy_round wavy_bound_within(const wavy *s, double x0, double y0, dou
 }
 
 /* Have the constants no answer because the steps were too long, so that they have one after another round?
- * tau: of that round.  (A choice: then THE BOUND, as dear as a round, is not asked.) */
+ * tau: of that round.  (A choice: then THE BOUND, as dear as a round, is not asked.)  tau_1 is within the
+ * disc, too: a tile of which no ray is asks no constants, and its rays are not to depend on each other. */
 SGT_INLINE mask wavy_nears(const wavy *s, double x0, double y0, const wavy_newton *at, double tau,
                            const sgt_ray *ray)
 {
     const double left = fabs(at->tau2 - tau);
-    return wavy_within(s, x0, y0, tau, ray) & MASK(left <= 0x1p-6 * fabs(at->step2)) &
-           MASK(left > 0x1p-38 * fabs(tau));
+    return wavy_within(s, x0, y0, at->tau1, ray) & wavy_within(s, x0, y0, tau, ray) &
+           MASK(left <= 0x1p-6 * fabs(at->step2)) & MASK(left > 0x1p-38 * fabs(tau));
 }
 
 /* A round of a single ray by constants; tau_err is NaN if they have no answer. */

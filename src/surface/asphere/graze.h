@@ -15,9 +15,9 @@
  *     min(r^2 at the start, r^2 of the edge)
  * there.  So no root of a quadratic equation has to be taken.  bent2 (side.h) has to be as much.
  *
- * ASKED is a ray that grazes (GRAZING in side.h), if that bound holds for its start, and sigma G < 0 at o,
- * where sigma F rises along it.  All others go to the form from the side.  So does a ray that has no answer
- * here.
+ * ASKED is a ray that grazes (GRAZING in side.h), if that bound holds for its start, sigma G is certainly
+ * below 0 at o, and the conic of the guess rises there.  All others go to the form from the side.  So does a
+ * ray that has no answer here: it may pass, and then no root is found.
  *
  * THE GUESS.  With the conic of curvature c + 2 a[0] G is (A t^2 - 2 B t + C) / -2, seen from o.  The root at
  * which sigma G rises is t = C / (B + sigma sqrt D), D = B^2 - A C, without a difference as sigma B > 0.
@@ -47,7 +47,7 @@
  * SHARP ENOUGH.  The point may be 8 u (|w| + |z|) off the surface by e and Delta (side_bound allows 24).  Its
  * terms at T are at most twice those at the root, as T is a step away.
  *
- * tests/batch/test_batch.c, tests/oracle/test_scale.cpp and tests/catalogue ask such rays. */
+ * Tests: tests/oracle/test_grazing.cpp and test_scale.cpp, tests/batch/test_batch.c, tests/catalogue. */
 #ifndef SGT_SURFACE_ASPHERE_GRAZE_H
 #define SGT_SURFACE_ASPHERE_GRAZE_H
 

@@ -276,7 +276,8 @@ SGT_INLINE mask beside_ends(const wavy *self, int terms, const sgt_tile *tile, b
     {
         const sgt_ray ray = lane_ray_of(&rows, i);
         side_local q = {r->x[i], r->y[i], r->z[i], r->rho0[i]};
-        wavy_newton h = {r->tau2[i], r->step2[i], r->inverse[i], r->dw[i], r->slant[i], 0, 0};
+        wavy_newton h = {.tau2 = r->tau2[i], .step2 = r->step2[i], .inverse = r->inverse[i], .dw = r->dw[i],
+                         .slant = r->slant[i]};
         side_round end = side_bound(s, terms, &q, r->t0[i], &h, &ray, t_tol[i]);
         mask blunt = end.blunt & (r->above[i] | r->below[i]);
         r->tau[i] = end.at.tau, r->tau2[i] = end.at.tau_err, r->from[i] = end.at.v, r->to[i] = end.at.near;
@@ -468,7 +469,8 @@ SGT_NOINLINE static size_t beside_all(const beside *of, lane_wish wish, const sg
 
 /* ------------------------------------------------------------------- rays that graze */
 
-/* What the loops of graze.h leave for each other.  step: a row of each of q, `root` and the rest. */
+/* What the loops of graze.h leave for each other.  t: the guesses.  t2: where the steps have come to, then T.
+ * The rest is a graze_root.  steps: evaluations. */
 typedef struct graze_room {
     _Alignas(64) double t[SIDE_TILE];
     double t2[SIDE_TILE], x[SIDE_TILE], y[SIDE_TILE], z[SIDE_TILE], inverse[SIDE_TILE], tau[SIDE_TILE],
@@ -478,8 +480,8 @@ typedef struct graze_room {
     lane_ends ends;
 } graze_room;
 
-/* graze_seed_of all rays, as graze_bent has it: asked is set of those that graze, and t is NaN of those that
- * are not asked.  Returns all bits set if all of them graze. */
+/* graze_seed_of for all rays.  asked[i]: it is to be tried from t[i]; if not, t[i] is NaN.  Returns all bits
+ * set if all of them graze by graze_bent, asked or not. */
 SGT_INLINE mask lane_seeds(const wavy *self, const convex *bent, int terms, const sgt_tile *tile,
                            double *restrict t, mask *restrict asked)
 {
@@ -953,7 +955,7 @@ void sgt_asphere_left_bowl(const wavy *s, int terms, const convex *b, const sgt_
                                        .tmin = zero,
                                        .tmax = ray[6]},
                               .t_tol = zero,
-                              .hits = {.evals = hits->evals}};
+                              .hits = {.evals = hits->evals}}; /* a flag: these are not its rows */
         if (hits->evals) memset(r.steps, 0, some * sizeof *r.steps);
         (!left_is_tall(s, b) ? asphere_left_seeds : of.few ? asphere_left_few_tall : asphere_left_all_tall)(
             s, b, &few, &r);

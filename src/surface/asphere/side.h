@@ -85,9 +85,12 @@ enum { SIDE_STEPS = 12, GRAZE_STEPS = 7, SIDE_LOOKS = SIDE_STEPS + 5 + GRAZE_STE
 /* What all rays of a surface share.
  *
  *   sign         sigma
- *   round, flat  S'' sigma is at least `round` of the base, at r = 0, less the sum of flat[i] r^(2 i)
- *   bent2        sigma S'' >= 0 up to that r^2, by rings
- *   edge2        r^2 of the rim or the equator, made greater by 2^-20
+ *   round, constant, flat
+ *                sigma S'' is at least `round` (of the base, at r = 0), plus constant = 2 max(sigma a[0], 0),
+ *                less the sum of flat[i] r^(2 i)
+ *   ckc          (1 + k) c^2
+ *   bent2        sigma S'' >= 0 up to that r^2, by rings; short of the equator by 2^-9
+ *   edge2, edge  r^2 of the rim or the equator, made greater by 2^-20; its root
  *   high, low    the sag within it is between -low and high
  *   bowl         c + 2 a[0]
  *   abs_ck       |(1 + k) c|
@@ -296,7 +299,7 @@ SGT_INLINE wavy_newton side_step(const wavy *s, int terms, const side_local *q, 
     double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
     double g = wavy_g(s, rho, z, h, &w, &ckw), dw = sgt_fma(-(dp + dp), half, n);
     double slope = sgt_fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step = g * inverse;
-    return (wavy_newton){tau - step, step, inverse, dw, fabs(xl) + fabs(ym), g, slope};
+    return (wavy_newton){tau - step, step, inverse, dw, fabs(xl) + fabs(ym), g, slope, tau};
 }
 
 /* The same step, toward the root at which the slope has the sign of `wanted`: with G'' of the conic, -A, a
@@ -308,7 +311,7 @@ SGT_INLINE wavy_newton side_turned(const wavy_newton *h, double tau, double A, d
     double root = chosen(flat, h->slope,
                          copysign(sqrt(larger(sgt_fma(2 * A, h->g, h->slope * h->slope), 0)), wanted)),
            step = chosen(direct, 2 * h->g, root - h->slope) / chosen(direct, h->slope + root, A);
-    return (wavy_newton){tau - step, step, h->inverse, h->dw, h->slant, h->g, h->slope};
+    return (wavy_newton){tau - step, step, h->inverse, h->dw, h->slant, h->g, h->slope, tau};
 }
 
 /* G'' of the conic of curvature c + 2 a[0], over -1. */
@@ -626,8 +629,8 @@ SGT_INLINE side_sharper side_sharp(const wavy *s, const convex *b, int terms, do
 
 /* GRAZING.  If the bound on the slope within the rim fails, and a ray that runs along meets the conic at less
  * than 14 degrees from it, or not at all, the rounds of easy.h mostly end in doubt: about t, or about which
- * root is the first.  Then the form from the side, which is dearer by itself, is asked after them.  So it is
- * asked at once, if it has an answer for nearly all such rays:
+ * root is the first.  The form from the side costs more than a round, but less than rounds that end in doubt.
+ * So it is asked first where it answers nearly all such rays:
  * - the surface is bent in one way as far out as the start, or as far as it goes (graze_bent; graze.h has the
  *   first word), or
  * - the slope at the start is too great for wavy_first_from.
@@ -701,16 +704,17 @@ void sgt_asphere_leave(const shape *s, const wavy *v, const sgt_tile *tile, mask
 /* false: none of the rays starts there. */
 bool sgt_asphere_may_start(const wavy *v, const sgt_tile *tile);
 
-/* What easy.h has done with each ray of a tile: its rounds had where to begin; they ended at a number. */
-/* some: some of them may be asked by graze.h; all: all of them graze, and t, asked are those of a
- * graze_seed. */
+/* What has been tried with each ray of a tile.  begun: the rounds of easy.h had a start, or graze.h was asked
+ * in vain.  ended: the rounds ended at a number.  some: graze.h may be asked for some rays.  all: all rays
+ * graze, and t, asked are those of a graze_seed. */
 typedef struct easy_tried {
     bool begun[SGT_TILE], ended[SGT_TILE], some, all;
     double t[SGT_TILE];
     mask asked[SGT_TILE];
 } easy_tried;
 
-/* Do all rays of a tile graze, by graze_bent or else?  Then t and asked are set, and `all`. */
+/* Do all rays of a tile graze, by graze_bent or by the slope at the start?  If so, t and asked are set; the
+ * caller sets `all`. */
 bool sgt_asphere_lanes_graze(const wavy *s, const convex *b, int terms, const sgt_tile *tile,
                              easy_tried *tried);
 

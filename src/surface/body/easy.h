@@ -24,39 +24,43 @@
  * and s are off (K w is below 2^-11 |s|), and a rounding.  So t is taken a step of Newton's from p, at no
  * further evaluation, and the point is told where it is.  1 / |s| is taken from the guess, 1 / 2 S, where the
  * computed slope says that it is right to 2^-10: `inverse` is that, made greater.  The step is then off by
- * another 2^-9 of itself.  In all, t is off by (1.01 r + 2^-8 |F|) `inverse`.
+ * another 2^-9 of itself.  In all, t is off by at most (1.02 r + 2^-8 |F|) `inverse`.  Where |F| > 32 r the
+ * guess is bad, and the ray is hard; any number would be sound.
  *
  * WHICH OF THE TWO.  F falls toward the vertex from both roots.  So if s and A have unlike signs, the other
  * root is behind this one: it is the first.  If they have like signs, it is the second, and the first lies
  * at least 0.99 |s| / K before it.  If that is before tmin, no root comes before the second.  If Aa = 0, no
  * term of A but what underflows is left: with H < 2^100, |A| < 2^-950, as d is off by 2^-1074.  So with |s|
- * > 2^-400 the other root is 2^550 away, and where tmin > -2^400 it is not before this one.
+ * > 2^-400 the other root is 2^550 away, and where tmin > -2^400 it is not before this one.  A start is
+ * the only root where H = 0, or where the ray ends before 2^400.  (Near the seed a root 2^550 away is not
+ * looked for.)
  *
  * A START ON THE SURFACE is judged as in quadratic.h: by F at the start, K and the slope there, all of them
  * as above.  If it is the second root or the only one, no root is accepted.  If it is the first, that is not
- * accepted, and the second is looked for.  (Could a ray be met as well, as one that does not start there?
- * Its root would be END_ERRORS times t_err and more behind the start.  A start is within 1.2 times the
- * rounding of F there and half of the rule of a root.  So the order of trials changes nothing.)
+ * accepted, and the second is looked for.  (No ray is both met and on the surface.  A root that is met lies
+ * END_ERRORS t_err and more behind the start.  A start on the surface is within 1.2 roundings of F and half
+ * of the rule.  So it does not matter which is tried first.)
  *
  * ACCEPTED is a root by the rule of acceptance_of (solve/step.h) with its END_ERRORS.
  *
  * A MISS.  D < -De (quadratic.h), where no coefficient is made of what underflows; or D > 2^-10 N, N = Ba^2 +
- * Aa Ca, and |A| > 2^-10 Aa: then both roots are known to less than 2^-20 (|tau| + their distance).  For the
- * bound there is 32 u spread / S, S > 2^-5 Ba and S^2 > 2^-10 Aa Ca.  So Ca / S < 2^10 S / Aa <= 2^9 times
- * the distance 2 S / |A|; 2 Ba |tau| / S < 2^6 |tau|; |A tau| <= |B| + S < 2^6 S, so Aa tau^2 / S < 2^16
- * |tau|.  A root is not accepted where it lies beyond an end by more than that.
+ * Aa Ca, and |A| > 2^-10 Aa: then both roots are known to less than 2^-20 (|tau| + their distance).  The
+ * bound is 32 u spread / S (quadratic.h), S > 2^-5 Ba and S^2 > 2^-10 Aa Ca.  So Ca / S < 2^10 S / Aa <=
+ * 2^9 times the distance 2 S / |A|; 2 Ba |tau| / S < 2^6 |tau|; |A tau| <= |B| + S < 2^6 S, so Aa tau^2 / S <
+ * 2^16 |tau|.  A root is not accepted where it lies beyond an end by more than that.
  *
  * UNDERFLOW.  The scaled d has a component in [1, 2), and is off by 2^-1074 where others underflow.  No sum
  * of squares or products is off by more than 2^-1070 (1 + |x| + |y| + |z|) beyond what is said above, and
  * where a miss asks for their bounds they are above 2^-900 of that.  F's own bound knows of it; for the
  * point (2^-993 + 2^-1053 |t1|) |grad F| is added to r.  As |s| < 2 |grad F|, t_err is then above 2^-998
- * lengths of the scaled d, and a root within START_LEAST of the start is not accepted.
+ * lengths of the scaled d, and a root within START_LEAST of the start is not accepted.  A t or a bound beyond
+ * the doubles is hard.
  *
  * All else is hard: rays that graze, that start within a part in 50 of the chord behind the first root and
  * not on the surface, ends beside a root, numbers out of range.  quadratic.h answers them, through `first`.
  *
- * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses have one of their own,
- * for tiles that have any: it asks for the magnitudes of all terms.
+ * THREE LOOPS, as sag/lanes.h says why: the parabola, its roots, the place.  Misses and starts have loops of
+ * their own, for tiles that seem to have any: that of misses asks for the magnitudes of all terms.
  *
  * WHY APART.  By `first` and the lanes of ray/lanes.c a batch costs 2.9 and 3.3 times the instructions
  * (quadric, ellipsoid; by callgrind, AVX2). */
@@ -72,7 +76,8 @@
  *   t0 A B C      the parabola, from t0
  *   t1 left       a root, as nearly as closed forms tell: the first, or the second if the first is before
  *                 tmin or at the start (on)
- *   inverse       that of the magnitude of its slope there */
+ *   inverse       that of the magnitude of its slope there
+ * on: the ray starts at the first root, so the second is wanted. */
 typedef struct easy_parabola { double t0, A, B, C; } easy_parabola;
 typedef struct easy_aim { double t1, left, inverse; } easy_aim;
 
@@ -120,9 +125,9 @@ typedef struct easy_shared { double unit, inverse_unit, bent, linear; } easy_sha
 /* Does the ray start on the surface?  first: at the first root of two; gone: at the last of its roots. */
 typedef struct easy_outset { mask first, gone; } easy_outset;
 
-/* p: the start, `from` of the scaled direction; valid: the ends of the ray are. */
+/* p: the start, `from` of the scaled direction (NaN: the ends of the ray are not valid); it ends at `to`. */
 SGT_INLINE easy_outset easy_outset_of(const easy_shared *s, const near_ray *r, bool round, double A,
-                                      double Aa, sgt_vec3 p, easy_place at, double from, mask valid)
+                                      double Aa, sgt_vec3 p, easy_place at, double from, double to)
 {
     const double px = fabs(p.x), py = fabs(p.y), pz = fabs(p.z), gx = fabs(at.x), gy = fabs(at.y),
                  gz = fabs(at.z), terms = px * gx + py * gy + pz * gz, E = 2 * (px + py + pz),
@@ -130,12 +135,15 @@ SGT_INLINE easy_outset easy_outset_of(const easy_shared *s, const near_ray *r, b
                  slope = at.x * r->d.x + at.y * r->d.y + at.z * r->d.z, steep = fabs(slope), f = fabs(at.f),
                  err = at.own + SGT_U * ((4 * terms + 0x1p-940 * (gx + gy + gz)) + bent * (SGT_U * E)),
                  K = fabs(A) * s->unit, width = START_ULPS * terms;
-    const mask linear = round ? 0 : MASK(Aa == 0) & MASK(steep > 0x1p-400) & MASK(s->bent < 0x1p100),
+    const mask linear = round ? 0
+                              : MASK(Aa == 0) & MASK(steep > 0x1p-400) &
+                                    (MASK(s->bent == 0) | (MASK(s->bent < 0x1p100) & MASK(to < 0x1p400))),
                bends = MASK(fabs(A) > 0x1p-900) & (round ? MASK(true) : MASK(fabs(A) > 0x1p-36 * Aa)),
                falls = MASK((round ? slope : slope * copysign(1, A)) < 0);
     const mask on = MASK(f <= 0.5 * width + 0.125 * err) & MASK(err <= 16 * width) & MASK(width > TINY) &
-                    MASK(fabs(from) < 0x1p400) & valid & MASK(steep > 0x1p-38 * (bent + s->linear)) &
-                    MASK(0x1p12 * K * (f + err) <= steep * steep) & MASK(r->scale < 0x1p1000);
+                    MASK(fabs(from) < 0x1p400) & MASK(steep > 0x1p-38 * (bent + s->linear)) &
+                    MASK(0x1p12 * K * (f + err) <= steep * steep) & MASK(steep * steep < HUGE_VAL) &
+                    MASK(steep * steep > 0x1p-1000) & MASK(r->scale < 0x1p1000);
     return (easy_outset){on & ~linear & bends & falls, on & (linear | (bends & ~falls))};
 }
 
@@ -173,7 +181,8 @@ SGT_INLINE easy_root easy_root_of(const easy_shared *s, const near_ray *r, bool 
     e.t = t.hi * r->scale, e.t_lo = t.lo * r->scale, e.t_err = t_err * (1 + 8 * SGT_U) * r->scale;
     e.p_err = (fabs(r->d.x) + fabs(r->d.y) + fabs(r->d.z)) * (1.02 * G * inverse) + 1.01 * SGT_U * E;
     e.hit = root & MASK(after > start) & MASK(t.hi + END_ERRORS * (t_err + ulps) <= to) &
-            MASK(e.t_err > 0x1p-1000) & MASK(r->scale < 0x1p1000);
+            MASK(e.t_err > 0x1p-1000) & MASK(r->scale < 0x1p1000) & MASK(fabs(e.t) < HUGE_VAL) &
+            MASK(e.t_err < HUGE_VAL) & MASK(e.p_err < HUGE_VAL);
     e.leads = linear | falls;
     return e;
 }
@@ -318,10 +327,10 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
     SGT_INLINE easy_outset NAME##_easy_begins(const SHARED *s, const sgt_ray *ray, double A, double Aa)      \
     {                                                                                                       \
         const near_ray r = near_ray_of(ray->d);                                                             \
-        const double from = ray->tmin * r.inverse;                                                          \
+        const double to = ray->tmax * r.inverse,                                                            \
+                     from = chosen(MASK(ray->tmin <= ray->tmax), ray->tmin * r.inverse, (double)NAN);       \
         const sgt_vec3 p = outset_of(ray->o, r.d, from);                                                    \
-        const mask valid = MASK(ray->tmin <= ray->tmax);                                                    \
-        return easy_outset_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from, valid);                     \
+        return easy_outset_of(&s->easy, &r, ROUND, A, Aa, p, PLACE(s, p), from, to);                        \
     }                                                                                                       \
     SGT_KERNEL                                                                                              \
     static mask NAME##_easy_starts(const SHARED *shared, size_t count, const sgt_rays *rays,                \
@@ -380,7 +389,7 @@ static bool easy_answer_of(const easy_root *e, mask none, sgt_vec3 p, easy_place
             easy_aims(n, rays, &room);                                                                      \
             all = NAME##_easy_lanes(&s, n, rays, &room, &to, 0);                                            \
         }                                                                                                   \
-        return easy_told(tile, &to, all, none, near ? none : gone);                                         \
+        return easy_told(tile, &to, all, none, gone);                                                       \
     }                                                                                                       \
     static bool NAME##_easy_one(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_hit *hit) \
     {                                                                                                       \

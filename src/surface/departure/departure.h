@@ -302,7 +302,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                  return sgt_departure_tail(&v, radius))                                                      \
     DEPARTURE_OF(NAME,                                                                                       \
                  void NAME##_ops_ahead(const void *self, size_t n, sgt_ahead *ahead),                        \
-                 for (int i = 0; i < AHEAD_ROWS; i++) ahead->kind[i] = AHEAD_OPEN;                           \
+                 for (int i = 0; i < AHEAD_ROWS; i++)                                                        \
+                     ahead->kind[i] = AHEAD_OPEN, ahead->clear[i] = ahead->from[i];                          \
                  if (looks_ahead(&v)) v.of->ahead(&v, n, ahead))                                             \
     DEPARTURE_OF(NAME,                                                                                       \
                  bool NAME##_noises_within(const void *self, size_t n, const double radius[], double e0[],   \
