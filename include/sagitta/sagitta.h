@@ -645,7 +645,7 @@ typedef struct sgt_start {
 
 /* The next crossing. */
 typedef struct sgt_crossing {
-    sgt_hit hit;   /* as sgt_intersect gives it of `ray`.  Of an even asphere the numbers may
+    sgt_hit hit;   /* as sgt_intersect gives it of `ray`.  Of an even asphere numbers may
                       differ by what t_err allows, and evals too */
     sgt_ray ray;   /* from o along d; hit.t counts from o.  tmin is 0.  If rounding hides
                       the root at o, tmin is somewhat more; no other root is before it */
