@@ -326,6 +326,18 @@ static bool takeoff_tell(rows w, size_t k, const sgt_ray *ray, const vicinity *v
     return true;
 }
 
+/* Drops the rows that do not start on the surface.  Returns how many do. */
+static size_t takeoff_starts(rows w, size_t n, unsigned char of[])
+{
+    size_t left = 0;
+    for (size_t k = 0; k < n; k++) {
+        if (w[STATE][k] == NOT_ON) continue;
+        for (int j = 0; left < k && j <= PZ; j++) w[j][left] = w[j][k];
+        of[left++] = of[k];
+    }
+    return left;
+}
+
 unsigned long long sgt_take_off(sgt_surface s, size_t n, sgt_rays r, const sgt_shared *whole,
                                 const vicinity *v)
 {
@@ -339,6 +351,8 @@ unsigned long long sgt_take_off(sgt_surface s, size_t n, sgt_rays r, const sgt_s
     (bends_by_axis(whole) ? takeoff_begin_by_axis : takeoff_begin)(w, left, whole);
     if (!takeoff_look(s, left, whole, of, 0, &r, v)) return 0;
     takeoff_first(w, left, R);
+    left = takeoff_starts(w, left, of);
+    if (left == 0) return 0;
     if (!takeoff_look(s, left, whole, of, w[H][0], &r, v)) return 0;
     takeoff_second(w, left, R);
     for (size_t k = 0; k < left; k++) {
