@@ -55,7 +55,7 @@
  * tail known (tail.h), or next to the edge.  Beyond it the tail says whether anything is met.
  *
  * THE START.  F is asked where the look begins.  If its sign is not certain there, nothing is said. */
-#include "profile.h"
+#include "profile_table.h"
 
 #include "along.h"
 #include "wings.h"
@@ -288,7 +288,7 @@ static bool tell_rings(sgt_profile_table *e)
         for (size_t i = 0; i < BLOCK; i++) {
             size_t k = j + i, next = k + 1 < end ? k + 1 : k;
             double q0 = e->q[k], q1 = e->q[next], more = 0x1p-10 * (q1 - q0);
-            if (e->core && k == 0) q0 = q1; /* its own ranges are not read */
+            if (e->has_core && k == 0) q0 = q1; /* its own ranges are not read */
             at.q0[i] = larger(q0 - more, 0), at.q1[i] = q1 + more;
         }
         if (square)
@@ -328,14 +328,14 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     double k;
     if (!builtin->departure->profile(s.self, &e->of)) return false;
-    builtin->base(s.self, &e->c, &k), e->k1 = 1 + k, e->core = !(e->of.norm2 > 0), e->steep = 0;
-    if (e->core) {
+    builtin->base(s.self, &e->c, &k), e->k1 = 1 + k, e->has_core = !(e->of.norm2 > 0), e->steep = 0;
+    if (e->has_core) {
         double base = 0.25 / fabs(e->c);
         e->of.core = e->of.core < base ? e->of.core : base;
     }
-    const double last = last_radius(s, e), degree = (double)(e->of.terms - 1) * (e->core ? 1 : 2);
+    const double last = last_radius(s, e), degree = (double)(e->of.terms - 1) * (e->has_core ? 1 : 2);
     if (!(last > 0x1p-300 && last < 0x1p300)) return false;
-    if (e->core && !(last > e->of.core)) return false;
+    if (e->has_core && !(last > e->of.core)) return false;
     double step = 1.2 / degree;
     while (lay_nodes(e, last, step) > PROFILE_NODES) step *= 1.25;
     const size_t end = end_of(e);
@@ -346,7 +346,7 @@ static bool make_table(sgt_surface s, sgt_profile_table *e)
     }
     for (size_t j = e->nodes; j <= end; j++)
         e->sag[j] = e->sag[e->nodes - 1], e->off[j] = e->off[e->nodes - 1];
-    if (e->core) {
+    if (e->has_core) {
         sgt_extent within = SGT_NO_EXTENT;
         builtin->extent_within(s.self, e->of.core * (1 + 0x1p-9), true, &within);
         e->steep = within.steep, e->bent = within.bent;
@@ -532,7 +532,7 @@ static void derivatives(const sgt_profile_table *table, const passage *e, size_t
     const double a = e->a, f2 = from * from, t2 = to * to;
     range s = {table->slope_lo[j], table->slope_hi[j]}, b = {table->bend_lo[j], table->bend_hi[j]};
     double near = from * to <= 0 ? 0 : a * smaller(f2, t2), far = a * larger(f2, t2);
-    if (table->core && j == 0) {
+    if (table->has_core && j == 0) {
         double most = table->steep * sqrt(a) * (1 + 0x1p-20);
         *first = (range){e->g - most, e->g + most};
         *second = range_wider((range){-a * table->bent.hi, -a * table->bent.lo}, 0x1p-40);
@@ -593,7 +593,7 @@ static double root_in(const sgt_profile_table *table, const passage *e, const pi
     const size_t j = f->ring;
     const double qa = table->q[j], qb = table->q[j + 1], sa = table->sag[j],
                  slope = (table->sag[j + 1] - sa) / (qb - qa),
-                 bend = table->core && j == 0 ? 0 : 0.25 * (table->bend_lo[j] + table->bend_hi[j]);
+                 bend = table->has_core && j == 0 ? 0 : 0.25 * (table->bend_lo[j] + table->bend_hi[j]);
     double w = f->guess, a = f->from, b = f->to;
     for (int i = 0; i < 3; i++) {
         double q = e->q0 + e->a * (w * w), s = sa + (q - qa) * (slope - bend * (qb - q)),

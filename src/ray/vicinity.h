@@ -67,7 +67,7 @@
 #ifndef SGT_RAY_VICINITY_H
 #define SGT_RAY_VICINITY_H
 
-#include "profile.h"
+#include "profile_table.h"
 #include "tail.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
